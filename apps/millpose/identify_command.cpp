@@ -228,12 +228,12 @@ int Propose(const IdentifyWords& options, const Task& task) {
 
 /// Of a file with readings taken both ways alone.
 int IdentifyLostMotion(const IdentifyWords& options, const Task& task, const LostMotionEstimates& found) {
+  if (!options.write_cell.empty())
+    WriteLostMotion(options.write_cell, options.file, task.arm_settings, found);
   if (options.json)
     fmt::print("{}\n", Json{{"schema_version", 1}, {"lost_motion", LostMotionJson(found)}}.dump(2));
   else
     PrintLostMotion(found);
-  if (!options.write_cell.empty())
-    WriteLostMotion(options.write_cell, options.file, task.arm_settings, found);
   return AllDetermined(task.settings, found) ? kDone : kFindings;
 }
 

@@ -59,19 +59,42 @@ std::pair<size_t, size_t> LinesOf(const std::vector<std::string_view>& lines, co
 }
 
 yaml::Value Operation(const yaml::Value& toolpath, const CamSection& section, size_t number,
-                      const std::string& tool, const std::string& name) {
+                      const std::string& tool, const std::string& name, bool own_speed) {
   using yaml::Value;
   Value operation = Value::Map(), laid = toolpath;
   operation.Put("name", Value::Plain(name));
   if (!tool.empty()) operation.Put("tool", Value::Text(tool));
   laid.Find("cam")->Put("section", Value::Plain(std::to_string(number)));
   operation.Put("toolpath", std::move(laid));
-  if (section.speed) {
+  if (own_speed) {
     Value process = Value::Map();
     process.Put("spindle_rpm", Value::Plain(ShortestNumber(std::round(*section.speed * 60e6) / 1e6)));
     operation.Put("process", std::move(process));
   }
   return operation;
+}
+
+bool SpeedDiffers(const CamSection& section, double speed) {
+  return section.speed && std::abs(*section.speed - speed) > 1e-9 * (1 + speed);
+}
+
+/// A process of the job whose speed no operation takes.
+std::string WithoutSpeed(const yaml::Value& process) {
+  yaml::Value kept = yaml::Value::Map(), map = yaml::Value::Map();
+  for (size_t i = 0; i < process.keys.size(); ++i)
+    if (process.keys[i].text != "spindle_rpm") kept.Put(process.keys[i].text, process.items[i]);
+  map.Put("process", std::move(kept));
+  return yaml::WriteYaml(map);
+}
+
+/// One tool at several speeds asks for no choice of a tool, whatever its number.
+std::vector<CamSection> WithoutNeedlessTools(std::vector<CamSection> sections, const CellSettings& cell) {
+  const bool one = cell.tools.empty() && std::ranges::all_of(sections, [&](const CamSection& section) {
+                     return section.tool == sections.front().tool;
+                   });
+  if (one)
+    for (CamSection& section : sections) section.tool.clear();
+  return sections;
 }
 
 }  // namespace
@@ -115,7 +138,7 @@ std::string ToolOfSection(const CamSection& section, size_t number, const CellSe
 
 std::string SplitIntoOperations(std::string_view job_yaml, const JobInputs& inputs) {
   const std::string& file = inputs.job.toolpath.strategy->File();
-  const std::vector<CamSection> sections = SectionsOf(inputs);
+  const std::vector<CamSection> sections = WithoutNeedlessTools(SectionsOf(inputs), inputs.cell);
   if (sections.size() < 2)
     throw InputError({file}, "the path is for one tool at one speed: there is nothing to split");
   const yaml::Value root = yaml::ReadYaml(job_yaml, inputs.job.file);
@@ -131,7 +154,8 @@ std::string SplitIntoOperations(std::string_view job_yaml, const JobInputs& inpu
   std::map<std::string, int> uses;
   for (size_t i = 0; i < sections.size(); ++i) try {
       const std::string tool = ToolOfSection(sections[i], i + 1, inputs.cell, file);
-      operations.items.push_back(Operation(*toolpath, sections[i], i + 1, tool, OperationName(tool, uses)));
+      operations.items.push_back(Operation(*toolpath, sections[i], i + 1, tool, OperationName(tool, uses),
+                                           SpeedDiffers(sections[i], inputs.job.spindle_speed)));
     } catch (const InputError& error) {
       std::ranges::copy(error.problems(), std::back_inserter(problems));
     }
@@ -139,11 +163,19 @@ std::string SplitIntoOperations(std::string_view job_yaml, const JobInputs& inpu
   yaml::Value map = yaml::Value::Map();
   map.Put("operations", std::move(operations));
   const auto [tool_begin, tool_end] = LinesOf(lines, "tool");
+  const yaml::Value* process = root.Find("process");
+  const bool rewritten = process && std::ranges::all_of(sections, [&](const CamSection& section) {
+                           return SpeedDiffers(section, inputs.job.spindle_speed);
+                         });
+  const auto [process_begin, process_end] =
+      rewritten ? LinesOf(lines, "process") : std::pair(lines.size(), lines.size());
   std::string text;
   for (size_t i = 0; i < lines.size(); ++i) {
     if (i == begin)
       text +=
           fmt::format("# One operation for each section of {}, in its order.\n", file) + yaml::WriteYaml(map);
+    if (i == process_begin) text += WithoutSpeed(*process);
+    if (i >= process_begin && i < process_end) continue;
     if ((i < begin || i >= end) && (i < tool_begin || i >= tool_end)) text += std::string(lines[i]) + '\n';
   }
   return text;

@@ -200,7 +200,8 @@ SharedKey RotationKey() {
                 "SINUMERIK (machine data ORI), Cartesian LinuxCNC: how A, B, C are counted.");
 }
 
-constexpr const char* kAxesDefault = "KRL: KUKA's own; else as the arm counts, needed with arm.urdf";
+constexpr const char* kAxesDefault =
+    "KRL: KUKA's own; RAPID: ABB's; else as the arm counts, needed with arm.urdf";
 
 SharedKey AxisSignsKey() {
   return Key<S>("axis_signs", MILLPOSE_AT(axis_signs), Maybe(Signs()),

@@ -9,6 +9,7 @@
 
 #include "report/deflection.hpp"
 #include "report/lost_motion.hpp"
+#include "report/registration.hpp"
 
 namespace millpose {
 
@@ -32,8 +33,10 @@ struct Budget {
   std::vector<std::string> LeftOut() const;
 };
 
-/// `deflection`: null where the job does not say what is cut.
-Budget MakeBudget(const DeflectionReport* deflection, const LostMotionReport& lost);
+/// `deflection`: null where the job does not say what is cut; `registration`: where nothing registered the
+/// part's place.
+Budget MakeBudget(const DeflectionReport* deflection, const LostMotionReport& lost,
+                  const RegistrationFigures* registration = nullptr);
 
 /// One line for the terminal, without a line end: the largest three, their sum and what that leaves out.
 std::string BudgetText(const Budget& budget);

@@ -24,6 +24,7 @@ Json FiguresJson(const FaceRays& rays, const FaceFigures& face) {
             {"passes", {face.step->pass, face.step->other_pass}},
             {"place_mm", PlaceJson(rays.rays[face.step->ray].origin)}};
   return {{"places", face.rays},
+          {"places_left_standing", face.standing},
           {"level_um", kUmPerMm * face.heights.level},
           {"lowest_um", kUmPerMm * face.heights.low},
           {"highest_um", kUmPerMm * face.heights.high},

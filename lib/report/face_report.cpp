@@ -13,18 +13,26 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kFaceMicrometres = 1000;
 
+/// µm; what rounding leaves is 0.
 std::string ShownMicrometres(const std::optional<double>& millimetres) {
-  return millimetres ? fmt::format("{:.4g}", kFaceMicrometres * *millimetres) : std::string("-");
+  constexpr double kRounding = 1e-6;  // µm
+  if (!millimetres) return "-";
+  const double shown = kFaceMicrometres * *millimetres;
+  return fmt::format("{:.4g}", std::abs(shown) < kRounding ? 0 : shown);
 }
 
 std::string FaceRow(const char* name, const FaceFigures& face) {
-  return fmt::format("{:<22}{:>9.4g}{:>9.4g}{:>9.4g}{:>9}{:>9}{:>9.4g}{:>9}{:>9}\n", name,
-                     kFaceMicrometres * face.heights.level, kFaceMicrometres * face.heights.low,
-                     kFaceMicrometres * face.heights.high, ShownMicrometres(face.flatness),
-                     ShownMicrometres(face.minimum_zone),
-                     kFaceMicrometres * (face.added.high - face.added.low),
-                     ShownMicrometres(face.within ? std::optional(face.within->range) : std::nullopt),
-                     ShownMicrometres(face.step ? std::optional(face.step->height) : std::nullopt));
+  const std::optional<double> figures[] = {face.heights.level,
+                                           face.heights.low,
+                                           face.heights.high,
+                                           face.flatness,
+                                           face.minimum_zone,
+                                           face.added.high - face.added.low,
+                                           face.within ? std::optional(face.within->range) : std::nullopt,
+                                           face.step ? std::optional(face.step->height) : std::nullopt};
+  std::string row = fmt::format("{:<22}", name);
+  for (const std::optional<double>& figure : figures) row += fmt::format("{:>10}", ShownMicrometres(figure));
+  return row + '\n';
 }
 
 std::string FaceRows(const FaceStudy& study) {
@@ -32,6 +40,9 @@ std::string FaceRows(const FaceStudy& study) {
   if (study.by_force) text += FaceRow("force alone", *study.by_force);
   if (study.by_lost) text += FaceRow("lost motion alone", *study.by_lost);
   text += FaceRow("expected", study.expected.figures);
+  if (const size_t standing = study.expected.figures.standing; standing > 0)
+    text += fmt::format("  {} places are left standing as high as the stock: passes do not quite meet\n",
+                        standing);
   if (!study.drawn) return text;
   const DrawnFaces& drawn = *study.drawn;
   const auto interval = [](const DrawnInterval& of) {
@@ -62,8 +73,8 @@ const std::vector<std::string> kNotInFace{
 
 std::string FaceText(const FaceReport& report) {
   std::string text = fmt::format(
-      "face of {}: heights along the normal at {} places {:.4g} mm apart, um\n\n{:<22}{:>9}{:>9}{:>9}{:>9}"
-      "{:>9}{:>9}{:>9}{:>9}\n",
+      "face of {}: heights along the normal at {} places {:.4g} mm apart, um\n\n{:<22}{:>10}{:>10}{:>10}"
+      "{:>10}{:>10}{:>10}{:>10}{:>10}\n",
       report.job, report.plan.expected.figures.rays, report.rays.spacing, "", "level", "lowest", "highest",
       "flatness", "zone", "added", "in pass", "step");
   text += FaceRows(report.plan);

@@ -223,6 +223,11 @@ class Rapid : public Mover {
                                                 "EOFFSOFF",   "SOFTDEACT",   "VELSET",   "ACCSET",
                                                 "PATHACCLIM", "WORLDACCLIM", "GRIPLOAD", "ACTUNIT"};
     if (!known.contains(word)) return false;
+    if (word == "GRIPLOAD" || word == "ACTUNIT") {  // the name of a persistent, of a unit
+      modes_[word == "ACTUNIT" ? word + in.Identifier() : word] = word == "ACTUNIT" ? "on" : in.Identifier();
+      in.End();
+      return true;
+    }
     std::string text = in.Text("");
     if ((word == "CONFJ" || word == "CONFL") && text.empty()) text = "\\ON";
     if (word == "SINGAREA" && text.empty()) text = "\\OFF";
@@ -235,7 +240,7 @@ class Rapid : public Mover {
         {"SOFTDEACT", {""}}};
     if (const auto may = allowed.find(word); may != allowed.end() && !may->second.contains(text))
       throw Refusal{"no such argument: " + text};
-    modes_[word == "ACTUNIT" ? word + text : word] = text;
+    modes_[word] = text;
     return true;
   }
 

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from cli_fixture import TOP, plan, run
 
-# Few points, but passes that overlap, so that nothing stays between them.
-PASSES = ("toolpath.stepover_mm=18", "toolpath.spacing_mm=40", "programs=[]")
+# Few points on a quarter of the pad, but passes that overlap, so that nothing stays between them.
+PASSES = ("toolpath.stepover_mm=12", "toolpath.spacing_mm=20", "programs=[]",
+          "toolpath.region={facing: {direction: [0, 0, 1], within_deg: 1}, box: {lower_mm: [-40, -40, -1], upper_mm: [0, 0, 1]}}")
 FACE = ("--spacing-mm", 2, "--draws", 8, "--lost-motion-arcmin", 0.3)
 
 

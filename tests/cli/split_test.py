@@ -59,7 +59,7 @@ class Split(InFolder):
         text = (self.folder / "split.yaml").read_text()
         self.assertEqual(re.findall(r"name: (\w+)\n +tool: (\w+)", text), [("mill_d20", "mill_d20"), ("drill_d5", "drill_d5"), ("mill_d20_2", "mill_d20")])
         self.assertEqual(re.findall(r"section: (\d)", text), ["1", "2", "3"])
-        self.assertEqual(re.findall(r"spindle_rpm: (\d+)", text), ["7000", "1500", "9000", "7000"])
+        self.assertEqual(re.findall(r"spindle_rpm: (\d+)", text), ["1500", "9000", "7000"])  # the first is the job's own
         for kept in ("millpose_job: 1   # ours", "# Measured on Monday.", "# Of the shop.", "programs: [krl]"):
             self.assertIn(kept, text)
         self.assertEqual(len(re.findall(r"^operation  ", result.stdout, re.M)), 3)
@@ -81,6 +81,13 @@ class Split(InFolder):
         self.assertLess(result.returncode, 2, result.stderr)
         self.assertNotIn("tool:", (self.folder / "split.yaml").read_text())
         self.assertIn("has no tool with it", self.split(self.job([(1, 20), (2, 6)], cell="kr500_r2830"), "other.yaml").stderr)
+
+    def test_a_speed_that_no_section_has_goes(self):
+        result = self.split(self.job([(1, 20), (2, 5)], speeds=[6000, 1500]))
+        self.assertLess(result.returncode, 2, result.stderr)
+        text = (self.folder / "split.yaml").read_text()
+        self.assertEqual(re.findall(r"spindle_rpm: (\d+)", text), ["6000", "1500"])
+        self.assertIn("plunge_feed_mm_min: 200", text)
 
     def test_it_stands_beside_a_job_of_one_toolpath(self):
         job = self.job([(1, 20), (2, 5)], tool="tool: mill_d20\n")

@@ -165,11 +165,11 @@ TEST(UrScriptCell, SaysWhatItLacks) {
   EXPECT_NE(UrScriptPost().WhyNotIn(settings).find("tool.load is missing"), std::string::npos);
 }
 
-constexpr const char* kCut = "^movep.*r=0\\.00[1-9]";
-constexpr const char* kWay = "^movej";
+constexpr const char* kScriptCut = "^movep.*r=0\\.0+[1-9]";
+constexpr const char* kScriptWay = "^movej";
 
 /// Whether the line at `index` is refused, with `why` in the message.
-testing::AssertionResult Refused(const ProgramLines& sample, size_t index, const std::string& why) {
+testing::AssertionResult ScriptRefused(const ProgramLines& sample, size_t index, const std::string& why) {
   const std::vector<Problem> problems = sample.Problems();
   for (const Problem& problem : problems)
     if (problem.place.line == static_cast<int>(index) + 1 && problem.message.find(why) != std::string::npos)
@@ -178,26 +178,26 @@ testing::AssertionResult Refused(const ProgramLines& sample, size_t index, const
                                      << (problems.empty() ? "read" : problems[0].message);
 }
 
-testing::AssertionResult RefusedWith(const char* pattern, int nth, const std::string& what,
-                                     const std::string& with, const std::string& why) {
+testing::AssertionResult ScriptRefusedWith(const char* pattern, int nth, const std::string& what,
+                                           const std::string& with, const std::string& why) {
   ProgramLines sample("urscript");
   const size_t at = sample.Find(pattern, nth);
   const std::string before = sample.lines[at];
   sample.lines[at] =
       std::regex_replace(before, std::regex(what), with, std::regex_constants::format_first_only);
   EXPECT_NE(sample.lines[at], before) << what;
-  return Refused(sample, at, why);
+  return ScriptRefused(sample, at, why);
 }
 
-testing::AssertionResult RefusedBefore(const char* pattern, int nth, const std::string& statement,
-                                       const std::string& why) {
+testing::AssertionResult ScriptRefusedBefore(const char* pattern, int nth, const std::string& statement,
+                                             const std::string& why) {
   ProgramLines sample("urscript");
   const size_t at = sample.Find(pattern, nth);
   sample.Insert(at, statement);
-  return Refused(sample, at, why);
+  return ScriptRefused(sample, at, why);
 }
 
-testing::AssertionResult ReadBefore(const char* pattern, int nth, const std::string& statement) {
+testing::AssertionResult ScriptReadBefore(const char* pattern, int nth, const std::string& statement) {
   ProgramLines sample("urscript");
   sample.Insert(sample.Find(pattern, nth), statement);
   const std::vector<Problem> problems = sample.Problems();
@@ -205,26 +205,28 @@ testing::AssertionResult ReadBefore(const char* pattern, int nth, const std::str
 }
 
 TEST(UrScriptReader, BlendsThatMeetLosePoints) {
-  EXPECT_TRUE(RefusedWith(kCut, 1, "r=[0-9.]+", "r=0.0039", "make the controller skip a move"));
-  EXPECT_TRUE(RefusedWith(kCut, 1, "r=[0-9.]+", "r=0.05", "make the controller skip a move"));
-  EXPECT_TRUE(RefusedWith(kCut, 1, "r=[0-9.]+", "r=-0.001", "r of 0 or more expected"));
-  EXPECT_TRUE(RefusedWith(kCut, 1, "movep", "movel", "movep expected: the motion before blends into it"));
+  EXPECT_TRUE(ScriptRefusedWith(kScriptCut, 1, "r=[0-9.]+", "r=0.0039", "make the controller skip a move"));
+  EXPECT_TRUE(ScriptRefusedWith(kScriptCut, 1, "r=[0-9.]+", "r=0.05", "make the controller skip a move"));
+  EXPECT_TRUE(ScriptRefusedWith(kScriptCut, 1, "r=[0-9.]+", "r=-0.001", "r of 0 or more expected"));
+  EXPECT_TRUE(
+      ScriptRefusedWith(kScriptCut, 1, "movep", "movel", "movep expected: the motion before blends into it"));
   ProgramLines open("urscript");  // a blend into a way
-  size_t at = open.Find(kWay, 4);
+  size_t at = open.Find(kScriptWay, 4);
   while (!open.lines[at - 1].starts_with("movep")) --at;
   open.lines[at - 1] = std::regex_replace(open.lines[at - 1], std::regex("r=[0-9.]+"), "r=0.0010000");
   EXPECT_FALSE(open.Problems().empty());
 }
 
 TEST(UrScriptReader, WaysAreJointsFromStopToStop) {
-  EXPECT_TRUE(RefusedWith(kWay, 1, "movej\\(\\[", "movej(p[", "a pose leaves the configuration open"));
-  EXPECT_TRUE(RefusedWith(kWay, 1, "\\)$", ", r=0.01)", "r=0 expected"));
-  EXPECT_TRUE(RefusedWith(kWay, 1, "\\)$", ", t=2)", "one of a, v, r by name expected"));
-  EXPECT_TRUE(RefusedWith(kWay, 1, "v=[0-9.]+", "v=3.1", "v from"));
-  EXPECT_TRUE(RefusedWith(kWay, 1, "a=[0-9.]+", "a=30", "a from"));
-  EXPECT_TRUE(RefusedWith(kWay, 1, ", v=[0-9.]+", "", "v= expected"));
+  EXPECT_TRUE(
+      ScriptRefusedWith(kScriptWay, 1, "movej\\(\\[", "movej(p[", "a pose leaves the configuration open"));
+  EXPECT_TRUE(ScriptRefusedWith(kScriptWay, 1, "\\)$", ", r=0.01)", "r=0 expected"));
+  EXPECT_TRUE(ScriptRefusedWith(kScriptWay, 1, "\\)$", ", t=2)", "one of a, v, r by name expected"));
+  EXPECT_TRUE(ScriptRefusedWith(kScriptWay, 1, "v=[0-9.]+", "v=3.1", "v from"));
+  EXPECT_TRUE(ScriptRefusedWith(kScriptWay, 1, "a=[0-9.]+", "a=30", "a from"));
+  EXPECT_TRUE(ScriptRefusedWith(kScriptWay, 1, ", v=[0-9.]+", "", "v= expected"));
   ProgramLines first("urscript");
-  first.lines.erase(first.lines.begin() + static_cast<long>(first.Find(kWay)),
+  first.lines.erase(first.lines.begin() + static_cast<long>(first.Find(kScriptWay)),
                     first.lines.begin() + static_cast<long>(first.Find("^movep")));
   EXPECT_FALSE(first.Problems().empty());
 }
@@ -235,27 +237,27 @@ TEST(UrScriptReader, UnknownFunctionsAreRefused) {
         "set_payload_mass(2)", "speedl([0, 0, 0, 0, 0, 0], 1)", "x = 1", "force_mode_example()",
         "if True:", "thread t():", "MOVEJ([0, 0, 0, 0, 0, 0], a=1, v=1)", "; M5", "set_gravity([0, 0, 9.82])",
         "sync()", "set_configurable_digital_out(1, True)", "halt"})
-    EXPECT_TRUE(RefusedBefore(kWay, 3, statement, "")) << statement;
+    EXPECT_TRUE(ScriptRefusedBefore(kScriptWay, 3, statement, "")) << statement;
 }
 
 TEST(UrScriptReader, LooksAreNoMatter) {
   for (const std::string statement :
        {"# a remark", "", "   ", "  sleep( 0.5 )", "textmsg(\"hello # no remark\")  # a remark",
         "popup(\"go on\", blocking=True)", "set_payload(85, [-0.12, 0, 0.13])"})
-    EXPECT_TRUE(ReadBefore(kWay, 3, statement)) << statement;
+    EXPECT_TRUE(ScriptReadBefore(kScriptWay, 3, statement)) << statement;
 }
 
 TEST(UrScriptReader, NothingStopsInACut) {
   for (const std::string statement :
        {"sleep(0.5)", "textmsg(\"hello\")", "popup(\"go on\", blocking=True)",
         "set_standard_digital_out(2, True)", "set_payload(85, [-0.12, 0, 0.13])"})
-    EXPECT_TRUE(RefusedBefore(kCut, 2, statement, "is not allowed in a cut")) << statement;
+    EXPECT_TRUE(ScriptRefusedBefore(kScriptCut, 2, statement, "is not allowed in a cut")) << statement;
 }
 
 TEST(UrScriptReader, HeadAndEnd) {
-  EXPECT_TRUE(RefusedWith("^def", 0, "Sample", "Simple", "the file's name Sample_wall_plan expected"));
-  EXPECT_TRUE(RefusedWith("^set_payload", 0, "85", "86", "as the cell's tool.load has it"));
-  EXPECT_TRUE(RefusedBefore(kWay, 4, "set_tcp(p[0, 0, 0.1, 0, 0, 0])", "one tool for all poses"));
+  EXPECT_TRUE(ScriptRefusedWith("^def", 0, "Sample", "Simple", "the file's name Sample_wall_plan expected"));
+  EXPECT_TRUE(ScriptRefusedWith("^set_payload", 0, "85", "86", "as the cell's tool.load has it"));
+  EXPECT_TRUE(ScriptRefusedBefore(kScriptWay, 4, "set_tcp(p[0, 0, 0.1, 0, 0, 0])", "one tool for all poses"));
   for (const char* setting : {"^set_tcp", "^set_payload"}) {
     ProgramLines without("urscript");
     without.lines.erase(without.lines.begin() + static_cast<long>(without.Find(setting)));
@@ -273,7 +275,7 @@ TEST(UrScriptReader, HeadAndEnd) {
 
 TEST(UrScriptReader, NumbersAreDecimal) {
   for (const std::string number : {"1e-3", ".5", "5.", "+1", "0x1", "d2r(3)", "1,5"})
-    EXPECT_TRUE(RefusedWith(kCut, 1, "v=[0-9.]+", "v=" + number, "")) << number;
+    EXPECT_TRUE(ScriptRefusedWith(kScriptCut, 1, "v=[0-9.]+", "v=" + number, "")) << number;
 }
 
 TEST(UrScriptTexts, MaySwitchAndWait) {

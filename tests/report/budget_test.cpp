@@ -51,7 +51,7 @@ const BudgetRow& RowOf(const Budget& budget, const std::string& key) {
 TEST(Budget, HasTheLargestOfEverySourceThatIsStated) {
   const PlanResult plan = TurningPlan();
   const DeflectionReport deflection = PredictDeflections(plan, {}, {}, 0, {0.3, DegToRad(20)});
-  const LostMotionReport lost = ReportLostMotion(plan, Stated(0.3), "measured", 0);
+  const LostMotionReport lost = ReportLostMotion(plan, Stated(3), "measured", 0);
   const Budget budget = MakeBudget(&deflection, lost);
   double expected = 0, within = 0, error = 0;
   for (const DeflectedPoint& point : deflection.points) {
@@ -62,7 +62,6 @@ TEST(Budget, HasTheLargestOfEverySourceThatIsStated) {
   EXPECT_EQ(RowOf(budget, "static_compliance").largest, expected);
   EXPECT_DOUBLE_EQ(*RowOf(budget, "force_uncertainty").largest, within - expected);
   EXPECT_EQ(RowOf(budget, "lost_motion").largest, error);
-  EXPECT_GT(error, 10 * expected) << "300 N bend less than a gap gives";
   EXPECT_DOUBLE_EQ(budget.Sum(), expected + (within - expected) + error);
   EXPECT_EQ(budget.Largest().front()->key, "lost_motion");
   EXPECT_EQ(budget.LeftOut(),
@@ -72,6 +71,17 @@ TEST(Budget, HasTheLargestOfEverySourceThatIsStated) {
   EXPECT_EQ(json["rows"].size(), 8u);
   EXPECT_TRUE(json["rows"][3]["um"].is_null());
   EXPECT_NEAR(json["sum_um"].get<double>(), 1e3 * budget.Sum(), 1e-9);
+}
+
+TEST(Budget, ARegisteredPlaceIsStated) {
+  const LostMotionReport lost = ReportLostMotion(TurningPlan(), Stated(0.3), "measured", 0);
+  RegistrationFigures registration;
+  registration.off_95 = 0.4;
+  const Budget budget = MakeBudget(nullptr, lost, &registration);
+  EXPECT_EQ(RowOf(budget, "registration").largest, 0.4);
+  EXPECT_EQ(budget.Largest().front()->key, "registration");
+  EXPECT_DOUBLE_EQ(budget.Sum(), 0.4 + *RowOf(budget, "lost_motion").largest);
+  EXPECT_FALSE(RowOf(budget, "static_compliance").largest);
 }
 
 TEST(Budget, WhatNothingStatesIsLeftOutAndToldByWhatIsPublished) {
@@ -86,8 +96,7 @@ TEST(Budget, WhatNothingStatesIsLeftOutAndToldByWhatIsPublished) {
   for (const auto& one : lost.course.lever_sums) levers = std::max(levers, one.value());
   const std::string range =
       fmt::format("{:.2g} to {:.2g} µm here", 150 * kArcmin * levers, 300 * kArcmin * levers);
-  EXPECT_NE(RowOf(budget, "lost_motion").basis.find("{"), 0u);
-  EXPECT_NE(RowOf(budget, "lost_motion").basis.find(range.substr(0, range.find(" µm"))), std::string::npos)
+  EXPECT_NE(RowOf(budget, "lost_motion").basis.find(range), std::string::npos)
       << RowOf(budget, "lost_motion").basis << " / " << range;
 }
 
@@ -118,7 +127,7 @@ TEST(LostMotionReport, CountsAndPlacesInSummaryAndTable) {
     EXPECT_EQ(table.Text(row, "mark_a5_um"), "");
     EXPECT_EQ(*table.Number(row, "lost_motion_um"), 1e3 * *lost.course.errors[row]);
   }
-  EXPECT_EQ(*table.Number(2, "mark_a3_um"), json["places"][0]["mark_um"]);
+  EXPECT_EQ(*table.Number(2, "mark_a3_um"), json["places"][0]["mark_um"].get<double>());
 }
 
 TEST(LostMotionReport, WithoutLostMotionMarksArePerArcmin) {

@@ -100,8 +100,9 @@ void CheckAxis(const Value& value, const Context& context, Axis& axis) {
   if (!axis.stiffness && source)
     context.Child("stiffness_source").Add(source->mark, "has no effect here: there is no stiffness");
   if (axis.stiffness) axis.compliance = 1 / *axis.stiffness;
-  CheckLostMotionSource(value, context, linear ? "lost_motion_um" : "lost_motion_arcmin",
-                        axis.lost_motion_source);
+  const char *own = linear ? "lost_motion_um" : "lost_motion_arcmin",
+             *other = linear ? "lost_motion_arcmin" : "lost_motion_um";  // refused above
+  CheckLostMotionSource(value, context, value.FindKey(other) ? other : own, axis.lost_motion_source);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <set>
 
 #include "machine/identification/minimum_zone.hpp"
 
@@ -26,6 +27,42 @@ std::vector<size_t> FindOutliers(const std::vector<double>& distances) {
   for (size_t i = 0; i < distances.size(); ++i)
     if (bound > 0 && deviations[i] > bound) outliers.push_back(i);
   return outliers;
+}
+
+/// The least and the greatest of the points along a direction.
+std::pair<size_t, size_t> ExtremesAlong(const std::vector<Eigen::Vector3d>& points,
+                                        const Eigen::Vector3d& direction) {
+  size_t least = 0, greatest = 0;
+  for (size_t i = 1; i < points.size(); ++i) {
+    if (direction.dot(points[i]) < direction.dot(points[least])) least = i;
+    if (direction.dot(points[i]) > direction.dot(points[greatest])) greatest = i;
+  }
+  return {least, greatest};
+}
+
+/// The minimum zone of points that are not all in one plane, by exchange: that of a few of them, to which
+/// those are added that stand out of it farthest, until none does. The zone of all is never narrower than
+/// that of some, so the last one is the zone of all. Where many points bend evenly their hull has as many
+/// corners, and the zone of all at once would take minutes.
+MinimumZone ZoneByExchange(const std::vector<Eigen::Vector3d>& points, const Flatness& fit) {
+  std::set<size_t> chosen;
+  const auto add = [&](const Eigen::Vector3d& direction) {
+    const auto [least, greatest] = ExtremesAlong(points, direction);
+    const size_t before = chosen.size();
+    chosen.insert({least, greatest});
+    return chosen.size() > before;
+  };
+  const Eigen::Vector3d across = fit.normal.unitOrthogonal(), third = fit.normal.cross(across);
+  for (const Eigen::Vector3d& direction :
+       {fit.normal, across, third, Eigen::Vector3d(across + third), Eigen::Vector3d(across - third)})
+    add(direction);
+  for (;;) {
+    std::vector<Eigen::Vector3d> some;
+    for (const size_t i : chosen) some.push_back(points[i]);
+    if (some.size() < 4 || AreCoplanar(some)) return FindMinimumZone(points);
+    const MinimumZone zone = FindMinimumZone(some);
+    if (!add(zone.normal)) return zone;
+  }
 }
 
 }  // namespace
@@ -65,7 +102,7 @@ std::optional<Flatness> MeasureFlatness(const std::vector<Eigen::Vector3d>& poin
   if (!result) return result;
   result->outliers = FindOutliers(result->distances);
   if (AreCoplanar(points)) return result;
-  const MinimumZone zone = FindMinimumZone(points);
+  const MinimumZone zone = ZoneByExchange(points, *result);
   result->minimum_zone = zone.width;
   result->zone_normal = zone.normal;
   return result;

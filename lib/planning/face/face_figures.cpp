@@ -72,6 +72,7 @@ FaceFigures FiguresOf(const FaceRays& rays, const std::vector<RayHeight>& height
   const auto pass_at = [&](size_t i) { return motions[static_cast<size_t>(heights[i].motion)].pass; };
   const auto added_at = [&](size_t i) { return heights[i].height - flawless[i].height; };
   for (size_t i = 0; i < heights.size(); ++i) {
+    if (flawless[i].IsCut() && !heights[i].IsCut()) ++figures.standing;
     if (!counts(i)) continue;
     ++figures.rays;
     of_heights.Add(heights[i].height);

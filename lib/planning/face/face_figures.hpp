@@ -38,7 +38,8 @@ struct HeightSpread {
 
 /// What a face is like; mm. Rays at which nothing was cut do not count.
 struct FaceFigures {
-  size_t rays = 0;  ///< that count
+  size_t rays = 0;      ///< that count
+  size_t standing = 0;  ///< at which the tool that does not err cuts and this one leaves the stock
   HeightSpread heights;
   HeightSpread added;  ///< to what a tool that does not err leaves: scallops, say, are in `heights` alone
   /// Eq. 37 and least distance of two planes around the surface's points; of a plane region alone. The

@@ -61,8 +61,8 @@ DrawnInterval IntervalOf(std::vector<double> values) {
 class Study {
  public:
   Study(const ErringPath& path, const CutterShape& cutter, const StatedErrors& stated,
-        const Execution& execution)
-      : path_(path), cutter_(cutter), stated_(stated), execution_(execution) {}
+        const FaceStudyOptions& options, const Execution& execution)
+      : path_(path), cutter_(cutter), stated_(stated), options_(options), execution_(execution) {}
 
   SweptCutter Swept(const ToolErrors& errors) const {
     return {cutter_, path_.Motions(errors), cutter_.radius + kAbove};
@@ -72,21 +72,29 @@ class Study {
               bool zone) const {
     const SweptCutter swept = Swept(errors);
     CutFace face;
-    face.heights = swept.HeightsOn(rays.rays, execution_.Threads(), execution_.stop);
+    face.heights = HeightsOn(swept, rays, execution_.Threads());
     face.figures = FiguresOf(rays, face.heights, flawless ? *flawless : face.heights, swept.motions(), zone);
     return face;
   }
 
-  DrawnFaces Draw(const FaceRays& rays, const FaceStudyOptions& options) const {
+  /// What stands; where that would be higher than the stock, nothing is cut.
+  std::vector<RayHeight> HeightsOn(const SweptCutter& swept, const FaceRays& rays, int threads) const {
+    std::vector<RayHeight> heights = swept.HeightsOn(rays.rays, threads, execution_.stop);
+    for (RayHeight& height : heights)
+      if (height.height > options_.top) height = {};
+    return heights;
+  }
+
+  DrawnFaces Draw(const FaceRays& rays) const {
     const std::vector<RayHeight> flawless = Cut(rays, {}, nullptr, false).heights;
     DrawnFaces drawn;
-    drawn.count = options.draws;
+    drawn.count = options_.draws;
     drawn.rays = rays.rays.size();
     drawn.expected = Cut(rays, Expected(stated_), &flawless, false).figures;
-    std::vector<FaceFigures> faces(static_cast<size_t>(options.draws));
+    std::vector<FaceFigures> faces(static_cast<size_t>(options_.draws));
     ParallelFor(faces.size(), execution_.Threads(), execution_.stop, [&](size_t i) {
-      const SweptCutter swept = Swept(Drawn(stated_, options.seed, i));
-      faces[i] = FiguresOf(rays, swept.HeightsOn(rays.rays, 1), flawless, swept.motions(), false);
+      const SweptCutter swept = Swept(Drawn(stated_, options_.seed, i));
+      faces[i] = FiguresOf(rays, HeightsOn(swept, rays, 1), flawless, swept.motions(), false);
     });
     const auto interval = [&](auto figure) {
       std::vector<double> values;
@@ -104,6 +112,7 @@ class Study {
   const ErringPath& path_;
   const CutterShape& cutter_;
   const StatedErrors& stated_;
+  const FaceStudyOptions& options_;
   const Execution& execution_;
 };
 
@@ -112,7 +121,7 @@ class Study {
 FaceStudy StudyFace(const ErringPath& path, const CutterShape& cutter, const FaceRays& rays,
                     const FaceRays& few, const StatedErrors& stated, const FaceStudyOptions& options,
                     const Execution& execution) {
-  const Study study(path, cutter, stated, execution);
+  const Study study(path, cutter, stated, options, execution);
   FaceStudy result;
   result.flawless = study.Cut(rays, {}, nullptr, true);
   const std::vector<RayHeight>& flawless = result.flawless.heights;
@@ -120,10 +129,13 @@ FaceStudy StudyFace(const ErringPath& path, const CutterShape& cutter, const Fac
   ToolErrors force, lost;
   force.force = all.force;
   lost.lost = all.lost;
-  if (stated.force) result.by_force = study.Cut(rays, force, &flawless, true).figures;
-  if (stated.lost) result.by_lost = study.Cut(rays, lost, &flawless, true).figures;
   result.expected = study.Cut(rays, all, &flawless, true);
-  if (options.draws > 0 && stated.AreUnsure()) result.drawn = study.Draw(few, options);
+  const auto alone = [&](const ToolErrors& errors, bool only) {
+    return only ? result.expected.figures : study.Cut(rays, errors, &flawless, true).figures;
+  };
+  if (stated.force) result.by_force = alone(force, !stated.lost);
+  if (stated.lost) result.by_lost = alone(lost, !stated.force);
+  if (options.draws > 0 && stated.AreUnsure()) result.drawn = study.Draw(few);
   return result;
 }
 

@@ -56,6 +56,9 @@ struct FaceStudy {
 struct FaceStudyOptions {
   int draws = 0;
   uint64_t seed = 1;
+  /// Height of the stock over the surface, mm: where the tool comes no lower, between passes that do not
+  /// quite meet, nothing is cut.
+  double top = std::numeric_limits<double>::infinity();
 };
 
 /// `rays` for the expected face, `few` for the drawn ones. The same for any number of threads. Throws

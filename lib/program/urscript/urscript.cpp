@@ -19,6 +19,7 @@ constexpr size_t kLongestName = 31;
 constexpr size_t kWidth = 100;
 constexpr int kDecimals = 7;  // m, rad, m/s: 0.0001 mm, 0.000006 deg
 
+constexpr double kHalfTurn = 1e-6;         // rad, that a turn may be short of one
 constexpr double kLevel = 1 * kRadPerDeg;  // a base that was levelled stands within
 
 std::string Numbers(const double* values, int count) {
@@ -27,9 +28,19 @@ std::string Numbers(const double* values, int count) {
   return text;
 }
 
+/// Axis times angle. Of the two that mean half a turn the one whose first component of some size is positive,
+/// so that rounding does not make one of the other.
+Eigen::Vector3d TurnOf(const Eigen::Matrix3d& rotation) {
+  Eigen::Vector3d turn = RotationVector(rotation);
+  const double angle = turn.norm();
+  if (angle < kPi - kHalfTurn) return turn;
+  const auto first = std::find_if(turn.begin(), turn.end(), [](double c) { return std::abs(c) > 0.1; });
+  return *first < 0 ? Eigen::Vector3d(turn * (1 - 2 * kPi / angle)) : turn;
+}
+
 /// "p[x, y, z, rx, ry, rz]": m, and axis times angle in rad.
 std::string PoseLiteral(const Pose& pose) {
-  const Eigen::Vector3d place = pose.translation() / 1000, turn = RotationVector(pose.linear());
+  const Eigen::Vector3d place = pose.translation() / 1000, turn = TurnOf(pose.linear());
   return fmt::format("p[{}, {}]", Numbers(place.data(), 3), Numbers(turn.data(), 3));
 }
 
@@ -132,7 +143,7 @@ double UrScriptAcceleration(const PostOptions& settings, const UrScriptOptions& 
 std::optional<AxisConvention> UrScriptPost::OwnZero() const {
   Joints offset = Joints::Zero();
   offset[0] = kPi;
-  offset[3] = kPi / 2;
+  offset[3] = -kPi / 2;
   return AxisConvention::OfSigns({1, 1, 1, 1, -1, 1}, offset);
 }
 

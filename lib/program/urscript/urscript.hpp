@@ -51,8 +51,7 @@ std::map<std::string, std::string> UrScriptTexts(const PostSettings& settings);
 
 /// What a corner is taken to stay within: MotionProgram::corner_assumption.
 inline constexpr const char* kUrScriptCorner =
-    "a blend begins and ends at its radius and stays in the triangle that it cuts off, and the tool turns no "
-    "more than from its begin to its end";
+    "a blend begins and ends at its radius and stays in the triangle that it cuts off, tip and turn together";
 
 /// "set_payload(4.2, [0, 0, 0.05])": as the cell's tool.load has it. Precondition: it has one.
 std::string UrScriptPayload(const PostSettings& settings);

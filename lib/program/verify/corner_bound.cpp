@@ -23,40 +23,47 @@ Pose AfterLength(const Pose& from, const Pose& to, double length) {
   return length < line.length() ? line.At(length / line.length()) : to;
 }
 
+/// A place of the programmed path near a corner.
+struct NearCorner {
+  Eigen::Vector3d tip, turn;  ///< mm; rotation vector from the corner's orientation
+  double along;               ///< mm from the corner, negative before it
+};
+
 /// The places on one side of the corner within reach, from it outwards: `step` −1 or 1.
-void AppendWithin(const std::vector<Pose>& tools, size_t corner, int step, double reach,
-                  std::vector<Pose>& within) {
-  double left = reach;
-  for (size_t k = corner; left > 0; k += static_cast<size_t>(step)) {
-    if (step < 0 ? k == 0 : k + 1 == tools.size()) return;
+std::vector<NearCorner> WithinSide(const std::vector<Pose>& tools, size_t corner, int step, double reach) {
+  std::vector<NearCorner> within;
+  const Eigen::Matrix3d back = tools[corner].linear().transpose();
+  double done = 0;
+  for (size_t k = corner; done < reach; k += static_cast<size_t>(step)) {
+    if (step < 0 ? k == 0 : k + 1 == tools.size()) break;
     const Pose &from = tools[k], &to = tools[k + static_cast<size_t>(step)];
-    within.push_back(AfterLength(from, to, left));
-    left -= (to.translation() - from.translation()).norm();
+    const Pose place = AfterLength(from, to, reach - done);
+    done += (place.translation() - from.translation()).norm();
+    within.push_back({place.translation(), RotationVector(place.linear() * back), step * done});
+    if ((to.translation() - place.translation()).norm() > 0) break;
   }
+  return within;
 }
 
 }  // namespace
 
 CornerRounding WithinReach(const std::vector<Pose>& tools, size_t corner, double reach) {
-  std::vector<Pose> before, behind;
-  AppendWithin(tools, corner, -1, reach, before);
-  AppendWithin(tools, corner, 1, reach, behind);
+  const std::vector<NearCorner> before = WithinSide(tools, corner, -1, reach),
+                                behind = WithinSide(tools, corner, 1, reach);
   if (before.empty() || behind.empty()) return {};
-  const Eigen::Matrix3d back = tools[corner].linear().transpose();
-  const auto turn = [&](const Pose& tool) { return RotationVector(tool.linear() * back); };
-  const Pose &begin = before.back(), &end = behind.back();
-  CornerRounding most{DistanceFromLine(begin.translation(), end.translation(), tools[corner].translation()),
-                      DistanceFromLine(turn(begin), turn(end), Eigen::Vector3d::Zero())};
-  bool several = false;
+  const NearCorner &begin = before.back(), &end = behind.back();
+  const double length = end.along - begin.along;
+  if (length <= 0) return {};
+  CornerRounding most;
+  const auto look = [&](const NearCorner& place) {
+    const double share = (place.along - begin.along) / length;
+    most.position = std::max(most.position, DistanceFromLine(begin.tip, end.tip, place.tip));
+    most.angle = std::max(most.angle, (place.turn - begin.turn - share * (end.turn - begin.turn)).norm());
+  };
+  look({tools[corner].translation(), Eigen::Vector3d::Zero(), 0});
   for (const auto* side : {&before, &behind})
-    for (size_t k = 0; k + 1 < side->size(); ++k) {
-      const Pose& tool = (*side)[k];
-      several = true;
-      most.position = std::max(most.position,
-                               DistanceFromLine(begin.translation(), end.translation(), tool.translation()));
-      most.angle = std::max(most.angle, DistanceFromLine(turn(begin), turn(end), turn(tool)));
-    }
-  const double times = several ? 2 : 1;
+    for (size_t k = 0; k + 1 < side->size(); ++k) look((*side)[k]);
+  const double times = before.size() + behind.size() > 2 ? 2 : 1;
   return {times * most.position, times * most.angle};
 }
 

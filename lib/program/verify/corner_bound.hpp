@@ -19,9 +19,9 @@ struct CornerBound {
 
 /// The most that any path may leave the programmed one by which leaves it `reach` mm before a corner at the
 /// earliest, is back on it `reach` mm behind at the latest, and stays within the convex hull of what it cuts
-/// off (tips in space, turns as rotation vectors). `tools`: the places before and behind, `corner` the index
-/// of the corner among them. One corner within reach: its distance from the line between the two ends; with
-/// several, twice the farthest one's.
+/// off: tip (mm), rotation vector (rad) and length of path together. `tools`: the places before and behind,
+/// `corner` the index of the corner among them. One corner within reach: its distance from the line between
+/// the two ends, of its turn from what turns evenly between theirs; with several, twice the farthest one's.
 CornerRounding WithinReach(const std::vector<Pose>& tools, size_t corner, double reach);
 
 /// The bound of the corner at which motion `i` ends, both 0 where it is none in a cut or not rounded.

@@ -82,10 +82,14 @@ SweptCutter::Nearest SweptCutter::At(const Stretch& stretch, double share, const
   return nearest;
 }
 
-// Half the squared distance from a body that moves on is convex in the share as long as it hardly turns; its
-// slope is bracketed and its zero found by the Illinois variant of false position, with bisection now and
-// then since it bends sharply where an edge of the cutter passes.
+// Half the squared distance f from a body that moves on is convex in the share as long as it hardly turns;
+// its slope is bracketed and its zero found by the Illinois variant of false position, with bisection now and
+// then since it bends sharply where an edge of the cutter passes. f is no less than f(s) − |f'(s)|·(what is
+// left of the bracket), which tells how far off an answer is: where the place is below the tool a thousandth
+// of the distance will do, and `distance` is the least that it can be; beside it the direction must be right
+// too, because Newton's step takes it.
 SweptCutter::Nearest SweptCutter::NearestAlong(const Stretch& stretch, const Vector3d& place) const {
+  constexpr double kBelow = 0.97;  // cosine
   Nearest low = At(stretch, 0, place), high = At(stretch, 1, place);
   if (low.slope >= 0 || high.slope <= 0) {
     if (low.slope < 0) return high;
@@ -93,17 +97,24 @@ SweptCutter::Nearest SweptCutter::NearestAlong(const Stretch& stretch, const Vec
     return high.distance < low.distance ? high : low;
   }
   double low_slope = low.slope, high_slope = high.slope;
-  const double reached = cutter_.corner_radius + kExact;
+  const double corner = cutter_.corner_radius;
   const double speed = stretch.way.norm() + cutter_.radius * stretch.turn.norm();
   Nearest best = low.distance < high.distance ? low : high;
-  for (int i = 0; i < 120 && best.distance > reached; ++i) {
+  for (int i = 0; i < 120 && best.distance > corner + kExact; ++i) {
     const double part = i % 3 == 2 ? 0.5 : low_slope / (low_slope - high_slope);
     const double share = low.share + (high.share - low.share) * part;
     if (share <= low.share || share >= high.share) break;
-    const Nearest middle = At(stretch, share, place);
+    Nearest middle = At(stretch, share, place);
     if (middle.distance < best.distance) best = middle;
-    // The direction from the cutter must be right, too, however near it is: the next step takes it.
     if (std::abs(middle.slope) <= speed * std::max(1e-9 * middle.distance, 1e-15)) break;
+    const double missing =
+        std::abs(middle.slope) * (middle.slope < 0 ? high.share - share : share - low.share);
+    const double distance = middle.distance;
+    if (-middle.towards.dot(stretch.axis) > kBelow * distance &&
+        missing <= 1e-3 * distance * (distance - corner)) {
+      middle.distance = std::sqrt(distance * distance - 2 * missing);
+      return middle;
+    }
     if (middle.slope < 0) {
       low = middle;
       low_slope = middle.slope;
@@ -141,7 +152,7 @@ double SweptCutter::Entry(const Stretch& stretch, const SurfaceRay& ray, double 
     const Nearest nearest = NearestAlong(stretch, ray.origin + height * ray.normal);
     const double left = nearest.distance - cutter_.corner_radius;
     if (left <= kExact) return height;
-    const double approach = -nearest.towards.dot(ray.normal) / nearest.distance;
+    const double approach = -nearest.towards.dot(ray.normal) / nearest.towards.norm();
     if (approach <= 1e-9) return limit;
     height += approach > kFacing ? left : left / approach;
   }
@@ -151,13 +162,20 @@ double SweptCutter::Entry(const Stretch& stretch, const SurfaceRay& ray, double 
 RayHeight SweptCutter::HeightOn(const SurfaceRay& ray) const {
   AlignedBox3d box(ray.origin, ray.origin);
   box.extend(ray.origin + band_ * ray.normal).extend(ray.origin - band_ * ray.normal);
+  // Those that may come lowest first: most of the others then need not be looked at.
+  std::vector<std::pair<double, int>> near;
+  tree_.ForEachIn(box, [&](int index) {
+    near.emplace_back(LowestPossible(stretches_[static_cast<size_t>(index)], ray), index);
+  });
+  std::ranges::sort(near);
   RayHeight found;
   double lowest = band_;
-  tree_.ForEachIn(box, [&](int index) {
+  for (const auto& [bound, index] : near) {
+    if (bound >= lowest) break;
     const Stretch& stretch = stretches_[static_cast<size_t>(index)];
     const double height = Entry(stretch, ray, lowest);
     if (height < lowest) lowest = height, found = {height, stretch.motion};
-  });
+  }
   return found;
 }
 

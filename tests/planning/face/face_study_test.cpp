@@ -103,6 +103,27 @@ TEST(FaceStudy, TellsPassesAndStepsApart) {
   EXPECT_FALSE(figures.minimum_zone);
 }
 
+// Passes that just meet, and a tool that leans away from one of them: what then stays between them stands as
+// high as the stock.
+TEST(FaceStudy, CountsWhatIsLeftStanding) {
+  PlanResult plan = AtOneRotation();
+  plan.passes.resize(2);
+  for (PlannedPoint& point : plan.passes[1].points)
+    point.point.position = plan.X_WP * (plan.X_WP.inverse() * point.point.position + Vector3d(0, 11.999, 0));
+  const FaceRays rays = MakeFaceRays(Wall(), 0.5);
+  StatedErrors stated;
+  const FaceStudy study = StudyFace(ErringPath(plan, {}, 0), kFlat, rays, rays, stated, {}, {2});
+  EXPECT_EQ(study.expected.figures.standing, 0u);
+  PlanResult apart = plan;
+  for (PlannedPoint& point : apart.passes[1].points)
+    point.point.position = plan.X_WP * (plan.X_WP.inverse() * point.point.position + Vector3d(0, 1, 0));
+  const SweptCutter wide(kFlat, ErringPath(apart, {}, 0).Motions({}), 15);
+  const FaceFigures figures =
+      FiguresOf(rays, wide.HeightsOn(rays.rays, 1), study.flawless.heights, wide.motions(), false);
+  EXPECT_GT(figures.standing, 20u);
+  EXPECT_NEAR(figures.heights.high, 0, 1e-8);
+}
+
 // A tip that is known to 0.05 mm only: at one rotation every drawn face is flat, and somewhere within that.
 TEST(FaceStudy, DrawsWithinWhatIsStated) {
   StatedErrors stated;

@@ -18,12 +18,12 @@ namespace {
 using Eigen::Vector3d;
 
 /// A cut point of the finished face, in P.
-struct FacePlace {
+struct PlaceOfReading {
   Vector3d position;
   FaceReading predicted;
 };
 
-std::vector<FacePlace> FaceOf(const PlanResult& plan, const JobInputs& inputs) {
+std::vector<PlaceOfReading> FaceOf(const PlanResult& plan, const JobInputs& inputs) {
   const int finished_from = FinishedFrom(inputs.job, plan.passes.size());
   const DeflectionReport report =
       PredictDeflections(plan, CuttingForce{}, MakeCompliances(inputs.cell), finished_from);
@@ -34,7 +34,7 @@ std::vector<FacePlace> FaceOf(const PlanResult& plan, const JobInputs& inputs) {
       points.push_back(&pass.points[i]);
       externals.push_back(&ExternalAt(pass, i));
     }
-  std::vector<FacePlace> face;
+  std::vector<PlaceOfReading> face;
   for (const DeflectedPoint& deflected : report.points) {
     const PlannedPoint& point = *points[deflected.number];
     const Pose X_PW = PartAt(plan, *externals[deflected.number]).inverse();
@@ -88,7 +88,7 @@ CalibratedPart CalibratePart(const CalibrateArguments& arguments) {
   const CsvTable table =
       ReadCsv(arguments.root.Read(arguments.measured), name, {{"x_mm", "y_mm", "z_mm", "error_um"}, {}});
   const auto [plan, inputs] = ReadMeasuredPlan(arguments);
-  const std::vector<FacePlace> face = FaceOf(plan, inputs);
+  const std::vector<PlaceOfReading> face = FaceOf(plan, inputs);
   if (face.empty())
     throw InputError({arguments.plan.string()},
                      "the plan predicts no deflection: it needs process.cutting, or compensation by measured "
@@ -100,7 +100,7 @@ CalibratedPart CalibratePart(const CalibrateArguments& arguments) {
   for (size_t row = 0; row < table.size(); ++row) {
     const Vector3d place(table.At(row, "x_mm"), table.At(row, "y_mm"), table.At(row, "z_mm"));
     const auto nearest = std::ranges::min_element(
-        face, {}, [&](const FacePlace& other) { return (other.position - place).squaredNorm(); });
+        face, {}, [&](const PlaceOfReading& other) { return (other.position - place).squaredNorm(); });
     const double distance = (nearest->position - place).norm();
     const double most = inputs.cell.tool.cutter_diameter;
     const double error = table.At(row, "error_um");

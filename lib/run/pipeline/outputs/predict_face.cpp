@@ -12,13 +12,31 @@ namespace {
 
 constexpr double kFinest = 0.5;                 // mm, of the spacing that is chosen
 constexpr double kRays = 2e5, kMostRays = 4e6;  // for the expected face: chosen, and allowed
-constexpr double kFewRays = 4000;               // for each of the drawn ones
+constexpr double kFewRays = 1500;               // for each of the drawn ones
 
 double SpacingFor(const Region& region, double rays) {
   return std::sqrt(std::max(CountRays(region, 1.0), 1e-9) / rays);
 }
 
-StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const FaceOptions& options) {
+/// What the cell says of its gears, or `options` in its place.
+GearModel GearsOf(const JobInputs& inputs, const FaceOptions& options) {
+  GearModel gears = MakeGearModel(inputs.cell);
+  if (options.lost_motion) {
+    gears.lost.width.head<6>().setConstant(*options.lost_motion);
+    std::fill_n(gears.known.begin(), 6, true);
+  }
+  return gears;
+}
+
+/// The torques of the arm's weight at its gears, where the cell says what holds them.
+std::function<Joints(const Joints&)> WeightIn(const Arm& arm, const GearModel& gears) {
+  if (!gears.weights) return {};
+  return [&arm, weights = *gears.weights](const Joints& q) {
+    return GravityTorques(arm, q, weights.masses, weights.counterbalance, weights.gravity);
+  };
+}
+
+StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const GearModel& gears) {
   StatedErrors stated;
   const auto loaded = [](const PlannedPoint& point) {
     return !point.point.engagement.force.isZero(0.0) ||
@@ -30,13 +48,20 @@ StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const Fac
     stated.force_share = 0.01 * inputs.job.force_uncertainty_percent;
     stated.force_angle = DegToRad(inputs.job.force_direction_deg);
   }
-  if (options.lost_motion) {
-    stated.lost = LostMotion();
-    stated.lost->width.head<6>().setConstant(*options.lost_motion);
-  }
+  if (std::ranges::find(gears.known, true) != gears.known.end()) stated.lost = gears.lost;
   stated.tip = inputs.cell.tool.tip_uncertainty.value_or(0);
   stated.lean = inputs.cell.tool.axis_uncertainty.value_or(0);
   return stated;
+}
+
+/// Height of what the last layer takes off, mm over the part's surface; infinite where nobody says it.
+double StockOver(const JobSettings& job) {
+  const Layers& layers = job.toolpath.layers;
+  const std::vector<double> offsets = LayerOffsets(layers);
+  if (offsets.size() > 1) return offsets[offsets.size() - 2];
+  if (layers.total > 0) return layers.allowance + layers.total;
+  if (job.cutting && job.cutting->depth) return layers.allowance + *job.cutting->depth;
+  return kInfinity;
 }
 
 FaceRays RaysFor(const JobInputs& inputs, const Region& region, double spacing) {
@@ -74,14 +99,15 @@ FaceReport PredictFace(const JobInputs& inputs, const PlanResult& plan, const Me
   FaceReport report;
   report.job = plan.job;
   report.rays = RaysFor(inputs, region, spacing);
-  report.stated = StatedIn(inputs, plan, options);
+  const GearModel gears = GearsOf(inputs, options);
+  report.stated = StatedIn(inputs, plan, gears);
   const FaceRays few = RaysFor(inputs, region, std::max(spacing, SpacingFor(region, kFewRays)));
   const CutterShape cutter = MakeCutterShape(inputs.cell.tool);
   const std::vector<SeriesCompliance> compliances = MakeCompliances(inputs.cell);
   const int finished_from = FinishedFrom(inputs.job, plan.passes.size());
   const auto study = [&](const PlanResult& of) {
-    return StudyFace(ErringPath(of, compliances, finished_from), cutter, report.rays, few, report.stated,
-                     {options.draws, inputs.job.seed}, execution);
+    return StudyFace(ErringPath(of, compliances, finished_from, WeightIn(of.arm, gears)), cutter, report.rays,
+                     few, report.stated, {options.draws, inputs.job.seed, StockOver(inputs.job)}, execution);
   };
   report.plan = study(plan);
   if (report.plan.flawless.figures.rays == 0)

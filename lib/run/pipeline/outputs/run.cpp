@@ -58,8 +58,8 @@ AuditFigures JudgePlan(const JobInputs& inputs, const Execution& execution, Plan
 FaceReport PredictedFace(const JobInputs& inputs, const PlannedJob& job, const Execution& execution) {
   execution.progress.Begin("face", 0);
   FaceOptions options;
-  if (!job.fixed.job.empty())
-    options.rotation = job.fixed.rotation;
+  if (!job.fixed.job.points.empty())
+    options.rotation = job.fixed.job.rotations.front();
   else
     options.fixed_in_the_way = job.fixed.job_in_the_way;
   FaceReport face = PredictFace(inputs, job.plan, job.prepared.surface.mesh,

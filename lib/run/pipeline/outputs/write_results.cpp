@@ -202,7 +202,8 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   report.lost_motion =
       ReportLostMotion(plan, MakeGearModel(results.inputs.cell), results.inputs.cell.arm.lost_motion_source,
                        FinishedFrom(results.inputs.job, plan.passes.size()));
-  report.budget = MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion);
+  report.budget = MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion,
+                             report.registration ? &*report.registration : nullptr);
   report.fixed = results.fixed;
   report.faces = results.faces;
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {

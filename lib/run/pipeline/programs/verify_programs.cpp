@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "program/verify/causes.hpp"
 #include "run/pipeline/programs/planned_folder.hpp"
 #include "run/pipeline/programs/verify_alone.hpp"
 #include "store/manifest.hpp"

@@ -252,27 +252,40 @@ std::string ProblemOf(const JobInputs& inputs, const PreparedJob& prepared, cons
 
 }  // namespace
 
-TriedJob TryJob(const JobInputs& inputs, size_t most_points, const CheckpointStore& checkpoints,
+TriedJob TryJob(const JobInputs& given, size_t most_points, const CheckpointStore& checkpoints,
                 const Execution& execution) {
+  constexpr double kCoarseStep = DegToRad(2), kCoarseSweep = 2;  // rad; mm
+  JobInputs inputs = given;
+  inputs.job.path.rotation_step = std::max(inputs.job.path.rotation_step, kCoarseStep);
+  inputs.job.swept_resolution = std::max(inputs.job.swept_resolution, kCoarseSweep);
   PreparedJob prepared = PrepareJob(inputs, checkpoints, execution);
   TriedJob tried;
   tried.of_passes = prepared.toolpath.passes.size();
   tried.of_points = CountPoints(prepared.toolpath);
-  const Share sample{0, std::clamp<size_t>(tried.of_points / std::max<size_t>(most_points, 1), 1,
-                                           std::max<size_t>(tried.of_passes, 1))};
-  PlanResult plan = StartPlan(inputs, prepared);
-  plan.passes = PlanPassesOf(inputs, prepared, sample, checkpoints, execution).passes;
+  const size_t most = std::max<size_t>(most_points, 1);
+  const Share sample{
+      0, std::clamp<size_t>((tried.of_points + most - 1) / most, 1, std::max<size_t>(tried.of_passes, 1))};
+  std::vector<PassResult> passes = PlanPassesOf(inputs, prepared, sample, checkpoints, execution).passes;
   const LinkMoveOptions options = MakeLinkMoveOptions(inputs.job);
-  RepairEnds(prepared, MakePathOptions(inputs.job), options.leave, checkpoints, execution, plan.passes);
-  std::erase_if(plan.passes,
-                [](const PassResult& pass) { return pass.points.empty(); });  // not in the sample
-  FixRevolutions(inputs, prepared.problem, plan);
-  execution.progress.Begin("gaps", LinkMoveEnds(HomeOf(plan), plan.passes).size());
-  plan.gaps = PlanAllLinkMoves(prepared.stations, plan.passes, options, checkpoints, execution).gaps;
-  execution.progress.End(fmt::format("{} gaps", plan.gaps.size()));
-  tried.passes = plan.passes.size();
-  for (const PassResult& pass : plan.passes) tried.points += pass.points.size();
-  tried.problem = ProblemOf(inputs, prepared, plan);
+  // Other poses at the ends are looked for only where those found lead nowhere: else they gain clearance
+  // alone.
+  for (const bool repair : {false, true}) {
+    if (repair)
+      RepairEnds(prepared, MakePathOptions(inputs.job), options.leave, checkpoints, execution, passes);
+    PlanResult plan = StartPlan(inputs, prepared);
+    plan.passes = passes;
+    std::erase_if(plan.passes,
+                  [](const PassResult& pass) { return pass.points.empty(); });  // not in the sample
+    FixRevolutions(inputs, prepared.problem, plan);
+    execution.progress.Begin("gaps", LinkMoveEnds(HomeOf(plan), plan.passes).size());
+    plan.gaps = PlanAllLinkMoves(prepared.stations, plan.passes, options, checkpoints, execution).gaps;
+    execution.progress.End(fmt::format("{} gaps", plan.gaps.size()));
+    tried.passes = plan.passes.size();
+    tried.points = 0;
+    for (const PassResult& pass : plan.passes) tried.points += pass.points.size();
+    tried.problem = ProblemOf(inputs, prepared, plan);
+    if (tried.problem.empty() || !prepared.made.findings.empty()) break;
+  }
   return tried;
 }
 

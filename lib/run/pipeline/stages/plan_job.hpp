@@ -76,8 +76,9 @@ struct TriedJob {
   std::string problem;               ///< the first of what would be a finding of its plan; empty: none
 };
 
-/// Plans every n-th pass of a job and the ways between these, with about `most_points` points (one pass at
-/// least); no other passes, fixed rotations, programs or reports. What the sample leaves out may still have
+/// Plans every n-th pass of a job and the ways between these, with `most_points` points at most where passes
+/// are that short (one at least), rotations in steps of 2° and motions checked to 2 mm where the job asks for
+/// finer ones; no other passes, fixed rotations, programs or reports. What it leaves out may still have
 /// findings. Throws InputError for bad input; Interrupted.
 TriedJob TryJob(const JobInputs& inputs, size_t most_points, const CheckpointStore& checkpoints,
                 const Execution& execution);
