@@ -39,7 +39,7 @@ struct VerifyOptions {
   double position_tolerance = 0.02;        ///< mm; likewise of a rounded corner
   double angle_tolerance = 0.00034906585;  ///< rad (0.02°); likewise
   /// mm that a corner whose path the maker does not document may be bounded by (MotionProgram::
-  /// corner_assumption), in place of position_tolerance; 0: none may be rounded.
+  /// corner_assumption), in place of position_tolerance.
   double max_corner = 0;
   double step = 0.5;                       ///< mm of tip travel between replayed poses
   Joints lower, upper;                     ///< limits, rad
