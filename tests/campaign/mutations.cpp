@@ -354,6 +354,9 @@ bool Mutant::MustPass() const {
   // A frame that is stated again says the same, also where another follows before any motion.
   for (const char* word : {"$BASE", "$TOOL", "$P_UIFR", "G10", "mp_wobj:=", "mp_tool:=", "LOCAL PERS"})
     if (before.starts_with(word)) return false;
+  // What must have one value is held to it also where it is stated again before any motion.
+  for (const char* word : {"VelSet", "AccSet"})
+    if (before.starts_with(word)) return false;
   // The check of the controller's frame is read as one text.
   for (const char* word : {"MP_", "LOOP", "HALT", "ENDLOOP", "ENDIF"})
     if (before.find(word) != std::string::npos) return false;
