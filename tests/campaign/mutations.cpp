@@ -354,7 +354,8 @@ bool Mutant::MustPass() const {
       "blanks behind", "lower case",       "remark behind", "CRLF", "block number", "insert ",
       "insert    ",    "insert ; a remark"};
   // A frame that is stated again says the same, also where another follows before any motion.
-  for (const char* word : {"$BASE", "$TOOL", "$P_UIFR", "G10", "mp_wobj:=", "mp_tool:=", "LOCAL PERS"})
+  for (const char* word : {"$BASE", "$TOOL", "$P_UIFR", "G10", "set_tcp", "set_payload", "set_standard",
+                           "SPINDLE_OFF(", "mp_wobj:=", "mp_tool:=", "LOCAL PERS"})
     if (before.starts_with(word)) return false;
   // The check of the controller's frame is read as one text.
   for (const char* word : {"MP_", "LOOP", "HALT", "ENDLOOP", "ENDIF"})

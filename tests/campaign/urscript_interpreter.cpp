@@ -41,7 +41,7 @@ std::string CodeOf(const std::string& line) {
 
 class UrScript : public Mover {
  public:
-  explicit UrScript(const Machine& machine) : Mover(machine) {}
+  UrScript(const Machine& machine, std::string name) : Mover(machine), name_(std::move(name)) {}
 
   /// A program is compiled as a whole: what is wrong anywhere stops it before it moves.
   Trace Run(const std::string& text) {
@@ -92,20 +92,25 @@ class UrScript : public Mover {
 
   void Define(Cursor& at) {
     at.Need(at.Take("def"), "def");
-    at.Need(!at.Name().empty() && at.TakeChar('(') && at.TakeChar(')') && at.TakeChar(':') && at.Done(),
-            "name():");
+    if (at.Name() != name_) trace.open = "a function of another name than its file";
+    at.Need(at.TakeChar('(') && at.TakeChar(')') && at.TakeChar(':') && at.Done(), "name():");
     defined_ = true;
   }
 
-  static double Number(Cursor& at) {
+  double Number(Cursor& at) {
+    Cursor ahead = at;
+    const bool plus = ahead.TakeChar('+');
+    if (!plus) ahead.TakeChar('-');
+    const char first = ahead.Peek();
     const auto number = at.Number();
     at.Need(number.has_value(), "a number");
     const char next = at.Peek();
+    if (first == '.' || plus) trace.open = "how a number may begin";
     if (next == 'e' || next == 'E' || next == '.') throw Refusal{"no number"};
     return *number;
   }
 
-  static Argument Value(Cursor& at) {
+  Argument Value(Cursor& at) {
     Argument value;
     if (at.Peek() == '"') {
       value.kind = Argument::Kind::kText;
@@ -134,7 +139,7 @@ class UrScript : public Mover {
     return value;
   }
 
-  static Argument TruthOrValue(Cursor& at) {
+  Argument TruthOrValue(Cursor& at) {
     Argument value;
     value.kind = Argument::Kind::kTruth;
     value.truth = at.Take("True");
@@ -142,7 +147,7 @@ class UrScript : public Mover {
   }
 
   /// "Function": values by place, then by name.
-  static Arguments Parse(Cursor& at) {
+  Arguments Parse(Cursor& at) {
     Arguments arguments;
     if (at.TakeChar(')')) return arguments;
     do {
@@ -271,8 +276,9 @@ class UrScript : public Mover {
     std::vector<double> centre = {0, 0, 0};
     if (bound.contains("cog")) centre = bound.at("cog").list;
     if (centre.size() != 3 || mass < 0) throw Refusal{"a mass and three lengths"};
-    load_ = fmt::format("load {:.2f} {:.2f} {:.2f} {:.2f}", mass + 0.0, centre[0] + 0.0, centre[1] + 0.0,
-                        centre[2] + 0.0);
+    const auto coarse = [](double value) { return std::round(value * 100) / 100 + 0.0; };
+    load_ = fmt::format("load {} {} {} {}", coarse(mass), coarse(centre[0]), coarse(centre[1]),
+                        coarse(centre[2]));
     exact_load_ = fmt::format("{} {} {} {}", mass, centre[0], centre[1], centre[2]);
   }
 
@@ -307,7 +313,7 @@ class UrScript : public Mover {
 
   void Finish(Step& step, double a, double radius) {
     step.words = load_;
-    step.aside = fmt::format("a {} {}", a, exact_load_);
+    step.aside = fmt::format("a {} r {} {}", a, radius, exact_load_);
     step.exact = radius == 0;
     step.blend = radius;
     step.from_corner = true;
@@ -349,6 +355,7 @@ class UrScript : public Mover {
   }
 
   static constexpr double kFullSpeed = 24000;  // 1/min, of the spindle at the analogue output's full scale
+  const std::string name_;
   std::optional<Pose> X_FT_;
   std::string load_ = "load of the installation", exact_load_;
   double blend_ = 0;  // mm, of the last motion
@@ -359,7 +366,8 @@ class UrScript : public Mover {
 }  // namespace
 
 Trace RunUrScript(const Files& files, const Machine& machine) {
-  return UrScript(machine).Run(files.begin()->second);
+  const auto& [file, text] = *files.begin();
+  return UrScript(machine, file.substr(0, file.find('.'))).Run(text);
 }
 
 }  // namespace millpose::campaign

@@ -81,8 +81,8 @@ std::string AssemblyStep() {
   Interface_Static::SetIVal("write.step.assembly", 0);
   // The writer numbers products; people name them.
   const auto name = [&](const std::string& was, const std::string& is) {
-    for (size_t at = 0; (at = step.find("'" + was + "'", at)) != std::string::npos; at += is.size())
-      step.replace(at + 1, was.size(), is);
+    for (size_t from = 0; (from = step.find("'" + was + "'", from)) != std::string::npos; from += is.size())
+      step.replace(from + 1, was.size(), is);
   };
   name("Open CASCADE STEP translator 7.6 1.1", "plate");
   name("Open CASCADE STEP translator 7.6 1.2", "rib");

@@ -94,8 +94,11 @@ TEST(Step, BodiesOfAnAssemblyKeepTheirNamesAndStayApart) {
     const Eigen::Vector3d middle =
         (import.mesh.Corner(f, 0) + import.mesh.Corner(f, 1) + import.mesh.Corner(f, 2)) / 3;
     const int body = report.body_of_source[static_cast<size_t>(import.mesh.triangles().source[f])];
-    if (middle.z() < 10 - 1e-6) EXPECT_EQ(body, 0);
-    if (middle.z() > 10 + 1e-6) EXPECT_EQ(body, middle.x() < 30 ? 1 : 2);
+    if (middle.z() < 10 - 1e-6) {
+      EXPECT_EQ(body, 0);
+    } else if (middle.z() > 10 + 1e-6) {
+      EXPECT_EQ(body, middle.x() < 30 ? 1 : 2);
+    }
   }
   EXPECT_EQ(Imported(DrilledBlockStep("MM"), 1).report.bodies.size(), 1u);
 }

@@ -291,6 +291,16 @@ TEST(RapidCell, SaysWhatIsMissing) {
   EXPECT_NE(post.post->WhyNotIn(post.settings).find("work_unit has no effect"), std::string::npos);
 }
 
+TEST_F(RapidProgram, TheNoticeOfACompensatedProgramIsReadAsSuch) {
+  program.notice = kCompensatedNotice;
+  files = post.Write(program, plan.arm, settings);
+  EXPECT_EQ(Read(files).notice, kCompensatedNotice);
+  EXPECT_EQ(post.Write(Read(files), plan.arm, settings), files);
+  ProgramFiles other = files;
+  other[kRapidMain] = Edited(other[kRapidMain], "NOT TO BE RUN TWICE", "RUN IT TWICE");
+  EXPECT_EQ(Read(other).notice, "");
+}
+
 TEST_F(RapidProgram, TextsHoldOneStatementALineOfThoseAllowed) {
   const auto why = [&](const std::string& text) {
     settings.texts["header"] = text;

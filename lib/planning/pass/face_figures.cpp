@@ -26,7 +26,9 @@ FacePlace FacePlaceAt(const PoseProblem& problem, const FaceModel& model, const 
   return place;
 }
 
-FaceChoiceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, bool closed) {
+FaceChoiceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, bool closed,
+                            size_t* worst_at) {
+  const size_t count = places.size();
   if (closed && !places.empty()) {
     FacePlace again = places.front();
     // As the way round leaves it: the short way from the last place.
@@ -43,6 +45,7 @@ FaceChoiceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> place
     const FacePlace& place = places[t];
     if (!place.counts) continue;
     const double displaced = place.gears.levers.dot(offsets[t]), largest = LargestWith(place, displaced);
+    if (largest > figures.worst && worst_at != nullptr) *worst_at = t % count;
     figures.worst = std::max(figures.worst, largest);
     figures.sum += largest;
     figures.middle += displaced + 0.5 * (place.low + place.high);

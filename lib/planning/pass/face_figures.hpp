@@ -35,7 +35,8 @@ inline double LargestWith(const FacePlace& place, double lost) {
 }
 
 /// Of a piece entered settled: every gear rests where its own first direction leaves it. A closed piece is
-/// milled round to its first place again.
-FaceChoiceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, bool closed);
+/// milled round to its first place again. `worst_at` receives the place of the largest displacement.
+FaceChoiceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, bool closed,
+                            size_t* worst_at = nullptr);
 
 }  // namespace millpose

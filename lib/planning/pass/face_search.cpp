@@ -9,7 +9,7 @@ namespace {
 constexpr int kCoarse = 3;                 // places of the grid that the first search steps by
 constexpr int kCoarseWindow = 2;           // and how many of these steps it may go from point to point
 constexpr int kReach = 4;                  // places to either side of what was found, on each finer grid
-constexpr int kRounds = 12;                // of searches; what interferes is barred in between
+constexpr int kRounds = 16;                // of searches; what interferes is barred in between
 constexpr double kCrossingCost = 2e-3;     // mm: of two ways with the same marks the fewer
 constexpr double kDisplacedWeight = 0.02;  // so that a mark is worth 50 times its height of displacement
 constexpr double kSlack = 0.05;            // where the limit cannot be kept
@@ -157,9 +157,10 @@ std::optional<FaceCandidate> FaceSearch::Searched() {
   std::vector<std::vector<FlankNode>> coarse = Coarse();
   const FlankRules rules = CoarseRules();
   std::array<bool, 8> looked_at{};
+  std::optional<FaceCandidate> best;
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<size_t> nodes = SearchFlanks(coarse, rules);
-    if (nodes.empty()) return std::nullopt;
+    if (nodes.empty()) break;
     const int branch = coarse[0][nodes[0]].branch;
     bool& known = looked_at[static_cast<size_t>(branch)];
     const auto bar_beside = [&](const std::vector<bool>& points, int reach) {
@@ -179,15 +180,25 @@ std::optional<FaceCandidate> FaceSearch::Searched() {
       continue;
     }
     const SegmentHits hits = segment_.Hits(*found);
-    if (!hits.any()) return Smoothed(std::move(*found));
-    if (!known) {
+    if (!hits.any()) {
+      // Slower crossings than the search takes them for may exceed the limit: round that place, if any way
+      // is.
+      std::vector<bool> places(nodes.size(), false);
+      size_t worst_at = 0;
+      segment_.Figures(found->path, &worst_at);
+      places[worst_at] = true;
+      if (!best || Better(found->figures, best->figures)) best.emplace(std::move(*found));
+      if (best->figures.worst <= limit_ * kRounding || limit_ == 0) break;
+      bar_beside(places, 0);
+    } else if (!known) {
       segment_.BarBlocked(branch, std::vector<bool>(nodes.size(), true), coarse);
       known = true;
     } else {
-      bar_beside(hits.Points(), round / 2);
+      bar_beside(hits.Points(), std::min(round, 2));
     }
   }
-  return std::nullopt;
+  if (!best) return std::nullopt;
+  return Smoothed(std::move(*best));
 }
 
 std::pair<FaceWay, FaceCandidate> FaceSearch::Best() {

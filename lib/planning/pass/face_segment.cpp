@@ -96,10 +96,10 @@ FacePlace FaceSegment::PlaceAt(size_t t, const Joints& q) const {
   return FacePlaceAt(ProblemAt(t), model_, points_[t], q, ExternalAt(pass_, first_ + t));
 }
 
-FaceChoiceFigures FaceSegment::Figures(std::span<const PathNode> path) const {
+FaceChoiceFigures FaceSegment::Figures(std::span<const PathNode> path, size_t* worst_at) const {
   std::vector<FacePlace> places;
   for (size_t t = 0; t < path.size(); ++t) places.push_back(PlaceAt(t, path[t].q));
-  return FiguresOf(options_.gears.lost, std::move(places), closed());
+  return FiguresOf(options_.gears.lost, std::move(places), closed(), worst_at);
 }
 
 FlankNode FaceSegment::NodeAt(size_t t, const Candidate& candidate, int branch, int place,

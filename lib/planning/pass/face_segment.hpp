@@ -27,7 +27,7 @@ class FaceSegment {
   bool closed() const { return segment_.closed; }
   FaceCandidate AsPlanned() const;
   /// The figures of a path; nothing of it is checked.
-  FaceChoiceFigures Figures(std::span<const PathNode> path) const;
+  FaceChoiceFigures Figures(std::span<const PathNode> path, size_t* worst_at = nullptr) const;
 
   /// Candidates of every point on the ladder search's grid of the rotation, all branches.
   std::vector<std::vector<FlankNode>> Layers() const;

@@ -12,7 +12,8 @@ namespace {
 constexpr size_t kStates = 64;  // of six gears: bit i is set where gear i has gone in its + direction last
 constexpr uint32_t kNoState = std::numeric_limits<uint32_t>::max();
 constexpr double kStill = 1e-8;          // rad: a joint that moves by less keeps its flank
-constexpr size_t kFewCandidates = 1024;  // of a ring: each is tried as its start
+constexpr size_t kFewCandidates = 1024;  // of a ring: each of its first layer is tried as its start
+constexpr int kStartsApart = 2;          // places, of many
 
 /// What each state costs at a node.
 struct StateCosts {
@@ -86,6 +87,8 @@ class FlankSearch {
  public:
   FlankSearch(std::span<const std::vector<FlankNode>> layers, const FlankRules& rules)
       : layers_(layers), rules_(rules) {
+    for (unsigned i = 0; i < 6; ++i)
+      if (rules.lost.width[i] > 0) active_ |= 1U << i;
     for (const auto& layer : layers) {
       index_.emplace_back(layer, rules.ring);
       costs_.emplace_back();
@@ -132,22 +135,23 @@ class FlankSearch {
       if (worst < least) least = worst, start = node;
     };
     for (const auto& layer : layers_) candidates += layer.size();
-    if (candidates > kFewCandidates) {
+    const bool many = candidates > kFewCandidates;
+    if (many) {
       // Where the second of two rounds begins, the first has lost what it began with.
       laps_ = 2;
       const double worst = Sweep(Kind::kWorst, kNone, kInfinity, false);
-      if (std::isfinite(worst)) {
-        Sweep(Kind::kSum, kNone, LimitFor(worst), true);
-        const std::vector<size_t> way = Way();
+      if (!std::isfinite(worst)) {
         laps_ = 1;
-        attempt(way[layers_.size()]);
-        attempt(way.back());
+        return kNone;
       }
+      Sweep(Kind::kSum, kNone, LimitFor(worst), true);
+      const std::vector<size_t> way = Way();
       laps_ = 1;
-      if (start != kNone) return start;
+      attempt(way[layers_.size()]);
     }
-    const size_t every = std::max<size_t>(1, candidates / kFewCandidates / 4);
-    for (size_t i = 0; i < layers_[0].size(); i += every) attempt(i);
+    const int every = many ? kStartsApart : 1;
+    for (size_t i = 0; i < layers_[0].size() && (!many || least > rules_.limit); ++i)
+      if (layers_[0][i].place % every == 0 && !layers_[0][i].barred) attempt(i);
     return start;
   }
 
@@ -159,7 +163,9 @@ class FlankSearch {
       if ((start != kNone && i != start) || layers_[0][i].barred) continue;
       const StateCosts& costs = costs_[0][i];
       for (unsigned state = 0; state < kStates; ++state) {
-        if (costs.Pressed(state) != state || !(costs.displaced[state] <= limit)) continue;
+        if (costs.Pressed(state) != state || (state & ~active_ & ~unsigned{costs.pressed}) != 0 ||
+            !(costs.displaced[state] <= limit))
+          continue;
         row.At(i, state) =
             kind == Kind::kWorst ? costs.displaced[state] : rules_.displaced_weight * costs.displaced[state];
         row.reached[i] |= uint64_t{1} << state;
@@ -232,11 +238,12 @@ class FlankSearch {
     const Joints step = (b.q - a.q).unaryExpr(&WrapToPi);
     if ((step.cwiseAbs().array() > rules_.max_step[edge.from_layer].array()).any()) return;
     const Joints move = rules_.lost.gears * step;
-    unsigned moved = 0, forward = 0;
+    unsigned moved = 0, forward = 0, slow = 0;
     for (unsigned i = 0; i < 6; ++i) {
-      if (std::abs(move[i]) <= kStill) continue;
+      if (std::abs(move[i]) <= kStill || ((active_ >> i) & 1U) == 0) continue;
       moved |= 1U << i;
       if (move[i] > 0) forward |= 1U << i;
+      if (std::abs(move[i]) < rules_.lost.width[i]) slow |= 1U << i;
     }
     const StateCosts& costs = costs_[edge.to_layer][edge.to];
     const double motion = rules_.motion_weight * step.squaredNorm();
@@ -245,7 +252,11 @@ class FlankSearch {
       // Settled: a gear that moves at once rests where that leaves it, unless load presses it elsewhere.
       if (first_ && ((state ^ forward) & moved & ~at_start.pressed) != 0) return;
       const unsigned now = costs.Pressed((state & ~moved) | forward);
-      const double displaced = costs.displaced[now];
+      // One that crosses slowly may be on its way for some points: either flank counts then.
+      double displaced = costs.displaced[now];
+      const unsigned crossing = (now ^ state) & slow;
+      for (unsigned late = crossing; late != 0; late = (late - 1) & crossing)
+        displaced = std::max(displaced, costs.displaced[now ^ late]);
       if (!(displaced <= limit)) return;
       double& value = next.At(edge.to, now);
       const double come = row.At(edge.from, state);
@@ -269,6 +280,7 @@ class FlankSearch {
   std::vector<NodeIndex> index_;
   std::vector<std::vector<StateCosts>> costs_;
   std::vector<std::vector<uint32_t>> before_;  ///< per step: node and state before each, node · 64 + state
+  unsigned active_ = 0;                        ///< gears that have a gap
   size_t laps_ = 1;                            ///< rounds that a sweep makes
   bool first_ = false;                         ///< of the edges of the first step
   uint32_t last_ = kNoState;

@@ -113,7 +113,9 @@ class UrScriptReader : public ProgramReader {
   void ReadOther(LineScanner& scan) {
     const size_t start = scan.Next();
     const auto name = scan.AcceptName();
-    if (name && IsDeclared(*name)) {
+    const bool declared = name && std::ranges::find(settings_.calls, *name, &DeclaredCall::name) !=
+                                      settings_.calls.end();  // capitals count
+    if (declared) {
       scan.Expect("(");
       const std::string arguments = ReadArguments(scan);
       ReadDeclaredCall(scan, start, *name, arguments);
@@ -187,10 +189,11 @@ class UrScriptReader : public ProgramReader {
     const std::string text = urscript::ReadString(scan);
     scan.Expect(")");
     Allow(scan, start, kAtStops);
+    const size_t events = program_.events.size();
     LineScanner mark(text, "", 0);
     const bool begin = Word(mark, "PASS");
-    if (begin || Word(mark, "END OF PASS")) return ReadPassMark(mark, begin);
-    AddHandEvent(ProgramEvent::Kind::kMessage, text);
+    if (!text.starts_with(' ') && (begin || Word(mark, "END OF PASS"))) ReadPassMark(mark, begin);
+    if (program_.events.size() == events) AddHandEvent(ProgramEvent::Kind::kMessage, text);
   }
 
   void ReadQuestion(LineScanner& scan, size_t start) {

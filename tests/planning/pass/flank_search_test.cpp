@@ -144,7 +144,7 @@ TEST(SearchFlanks, GivesUpOfTheWorstWhatSlackAllows) {
 }
 
 /// A joint that goes to and fro leaves a step of h·R where it turns, and none where the place does not count.
-TEST(FaceChoiceFigures, AJointThatTurnsBackLeavesAStep) {
+TEST(FaceFigures, AJointThatTurnsBackLeavesAStep) {
   LostMotion lost;
   lost.width[2] = DegToRad(0.3 / 60);
   std::vector<FacePlace> places(3);

@@ -104,6 +104,7 @@ TEST_F(UrScriptReplay, EveryDamageIsCaught) {
       {"an output the other way", "set_standard_digital_out\\(5, True", 1,
        "set_standard_digital_out(5, False"},
       {"a mark lost", "textmsg[^\\n]*\\n", 1, ""},
+      {"a mark of no pass", "(movej[^\\n]*\\n)", 2, "$1textmsg(\"PASS 1.1 PIECE 0\")\n"},
       {"another pass", "PASS 1 PIECE", 0, "PASS 2 PIECE"},
       {"an end too early", "(movep[^\\n]*\\n)", 5, "$1end\n"},
       {"another movej", "movep\\(p\\[", 3, "movej(p["},

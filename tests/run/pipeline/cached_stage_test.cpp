@@ -73,7 +73,7 @@ TEST(ValueReader, KnowsWhatStagesReturn) {
   using value_bytes_detail::CountFields;
   static_assert(CountFields<PlannedPoint>() == 29);
   static_assert(CountFields<PlanResult>() == 16);
-  static_assert(CountFields<CheckedProgram>() == 11);
+  static_assert(CountFields<CheckedProgram>() == 12);
   static_assert(CountFields<StartProgram>() == 6);
   static_assert(CountFields<Interference>() == 4);
   static_assert(CountFields<PackedCurve>() == 8);

@@ -32,7 +32,7 @@ TEST(PlanFaces, ForceAndLostMotionDecideWhereTheJobNamesNoObjective) {
   folder.Write("cell.yaml", cell);
   EXPECT_EQ(objective(), "surface_error");
   const JobInputs inputs = LoadJobInputs(folder.path() / "job.yaml", kForFace);
-  EXPECT_NE(test::RefusalOf([&] {
+  EXPECT_NE(RefusalOf([&] {
               PlanJob(inputs, NoCheckpoints(), {.threads = 1});
             }).find("states no lost motion (arm.lost_motion_arcmin); without it surface_error is the same"),
             std::string::npos);
