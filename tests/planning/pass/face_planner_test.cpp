@@ -110,7 +110,7 @@ TEST(PlanFace, LeansNeverRaiseIt) {
     return FacesOf(Stations(world, of), options.gears, result).front().worst;
   };
   EXPECT_LE(worst(problem, after), worst(problem, plan));
-  EXPECT_LE(worst(problem, after), worst(upright, without) + 1e-9);
+  EXPECT_LE(worst(problem, after), 1.05 * worst(upright, without));  // what the search may give up
   for (const PlannedPoint& point : after.points) {
     ASSERT_EQ(point.freedoms.size(), 3u);
     const MillingPoint laid = AtNominalLean(problem, point.point);
