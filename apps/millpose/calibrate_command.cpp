@@ -98,7 +98,8 @@ Json ToJson(const MappedPart& part) {
           {"size_um", kMicrometres * f.size},
           {"explained_share", f.explained},
           {"left_um", kMicrometres * f.left},
-          {"length_mm", f.field.length()},
+          {"length_mm", f.field.shape().length},
+          {"follows_feed", f.field.shape().by_feed > 0},
           {"noise_um", kMicrometres * f.field.noise()},
           {"repeatability_um", or_null(f.repeatability)},
           {"significant", f.significant},
@@ -116,8 +117,9 @@ void Print(const MappedPart& part) {
   fmt::print("readings       {:>8}   of {} places, at most {:.2f} mm from a cut point\n", f.readings,
              f.places, part.farthest);
   fmt::print("size           {:>8.2f} µm, RMS\n", kMicrometres * f.size);
-  fmt::print("smooth part    {:>8.1f} % of the readings' squares, foretold by neighbours over {:.0f} mm\n",
-             100 * f.explained, f.field.length());
+  fmt::print("smooth part    {:>8.1f} % of the readings' squares, foretold by neighbours over {:.0f} mm{}\n",
+             100 * f.explained, f.field.shape().length,
+             f.field.shape().by_feed > 0 ? " that were milled in the same direction" : "");
   fmt::print("left           {:>8.2f} µm, RMS of places left out; noise of a reading {:.2f} µm\n",
              kMicrometres * f.left, kMicrometres * f.field.noise());
   if (f.repeatability)

@@ -35,7 +35,7 @@ std::string CountsText(const std::vector<ExternalAxis>& external, const std::arr
 
 std::string MarksText(const GearTally& tally, bool known) {
   const double scale = 1e3;
-  return fmt::format("at most {:.3g} µm, {:.3g} µm summed{}", scale * tally.largest, scale * tally.sum,
+  return fmt::format("at most {:.3g} µm, {:.0f} µm summed{}", scale * tally.largest, scale * tally.sum,
                      known ? "" : ", for each arcmin");
 }
 

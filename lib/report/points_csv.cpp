@@ -165,9 +165,10 @@ void AppendLostMotion(const LostMotionReport& lost, const std::vector<ExternalAx
   for (auto mark = std::ranges::lower_bound(all, number, {}, &GearMark::point);
        mark != all.end() && mark->point == number; ++mark)
     marks[static_cast<size_t>(mark->gear)] = MarkShown(lost, *mark, axes);
-  csv += ',';  // goes on with a row
-  Row row(csv);
-  const auto cell = [&](const std::optional<double>& value) { value ? row.Number(*value) : row.Text(""); };
+  const auto cell = [&](const std::optional<double>& value) {
+    csv += ',';
+    if (value) fmt::format_to(std::back_inserter(csv), "{:.17g}", *value);
+  };
   for (size_t i = 0; i < 6 + axes.size(); ++i) cell(marks[i]);
   const std::optional<double>& error = lost.course.errors[number];
   cell(error ? std::optional(1e3 * *error) : std::nullopt);

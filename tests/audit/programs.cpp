@@ -259,9 +259,7 @@ std::vector<Target> ReadUrScript(const std::map<std::string, std::string>& files
     Angles values{};
     for (size_t axis = 0; axis < values.size(); ++axis) numbers >> values[axis];
     if (match[1].length() == 0) {
-      for (size_t axis = 0; axis < values.size(); ++axis)
-        values[axis] = OfArm(setup, "urscript", axis, values[axis]);
-      targets.push_back(none.AtAngles(line, values));
+      targets.push_back(none.AtAngles(line, OfArm(setup, "urscript", values)));
       continue;
     }
     const Vector3 turn(values[3], values[4], values[5]);

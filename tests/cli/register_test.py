@@ -67,9 +67,9 @@ class Register(InFolder):
         found = json.loads(result.stdout)
         for got, want in zip(found["pose"]["xyz_mm"], in_base([0, 0, 0])):
             self.assertAlmostEqual(got, want, delta=0.05)
-        self.assertLess(found["face_um_95"], 60)
+        self.assertLess(found["face_um_95"], 200)
         self.assertGreater(found["face_um_95"], 5)
-        self.assertAlmostEqual(found["rms_mm"], 0.02, delta=0.008)
+        self.assertAlmostEqual(found["rms_mm"], 0.018, delta=0.008)
         self.assertEqual(len(found["probe_next"]), 3)
         self.assertLess(found["probe_next"][2]["face_um_95"], found["face_um_95"])
         lines = self.job.read_text().splitlines()
@@ -197,7 +197,7 @@ class ErrorMap(InFolder):
         # Something else that is taken out now would be taken out twice.
         other = plan(self.folder / "other", changes=(
             *self.CHANGES, f"compensation={{map_csv: '{chart}', max_mm: 0.5, deflection: normal, shrink: 1}}",
-            "process.force_factors={up: 20, down: 20, slot: 20}"))
+            "process.force_factors={up: 10, down: 10, slot: 10}"))
         self.assertEqual(other.returncode, 2, other.stdout)
         self.assertIn("when the measured part was milled", other.stderr)
 

@@ -246,8 +246,11 @@ TEST(ReportHtml, EveryChartFindsItsColumns) {
   input.deflection = &report;
   PlanResult compensated = input.plan;
   compensated.passes.front().points.front().compensation.emplace();
-  const std::string page =
-      ReportHtml({compensated, input.cell, input.grid, input.curves, input.settings, input.deflection});
+  LostMotionReport lost = ReportLostMotion(compensated, {}, "", 0);
+  lost.model.known.fill(true);
+  HtmlInput shown{compensated, input.cell, input.grid, input.curves, input.settings, input.deflection};
+  shown.lost_motion = &lost;
+  const std::string page = ReportHtml(shown);
   std::set<std::string> known;
   const Json data = DataOf(page);
   for (const Json& column : data["columns"]) known.insert(column["key"]);
@@ -258,8 +261,8 @@ TEST(ReportHtml, EveryChartFindsItsColumns) {
     for (std::sregex_iterator key(list.begin(), list.end(), kKey); key != none; ++key, ++keys)
       EXPECT_TRUE(known.contains((*key)[1])) << (*key)[1];
   }
-  EXPECT_EQ(charts, 10u);
-  EXPECT_EQ(keys, 21u);
+  EXPECT_EQ(charts, 12u);
+  EXPECT_EQ(keys, 23u);
 }
 
 TEST(ReportHtml, ColumnsHoldThePlanInTheirUnits) {

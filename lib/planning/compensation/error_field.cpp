@@ -68,37 +68,54 @@ double Dot(const VectorXd& a, const VectorXd& b) {
   return sum;
 }
 
-/// The covariance of the places' values ÷ s².
-MatrixXd CovarianceOf(const std::vector<Vector3d>& places, const VectorXd& counts, double length,
-                      double noise_ratio) {
+/// Of two places ÷ s².
+double Covariance(const MilledPlace& a, const MilledPlace& b, const ErrorField::Shape& shape) {
+  return (1 + shape.by_feed * a.feed.dot(b.feed)) *
+         (1 + Matern((a.position - b.position).norm(), shape.length));
+}
+
+/// Of the places' values ÷ s².
+MatrixXd CovarianceOf(const std::vector<MilledPlace>& places, const VectorXd& counts,
+                      const ErrorField::Shape& shape) {
   const auto n = static_cast<Eigen::Index>(places.size());
   MatrixXd covariance(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j <= i; ++j)
       covariance(i, j) = covariance(j, i) =
-          1 + Matern((places[static_cast<size_t>(i)] - places[static_cast<size_t>(j)]).norm(), length);
-    covariance(i, i) += noise_ratio / counts[i];
+          Covariance(places[static_cast<size_t>(i)], places[static_cast<size_t>(j)], shape);
+    covariance(i, i) += shape.noise_ratio / counts[i];
   }
   return covariance;
 }
 
 /// Readings as places with means.
 struct Places {
-  std::vector<Vector3d> at;
+  std::vector<MilledPlace> at;
   VectorXd value, count;
   double repeat_squares = 0;  ///< of the readings of one place about their mean
   int repeat_freedom = 0;
 };
 
+double HalfSize(const std::vector<ErrorReading>& readings) {
+  Vector3d low = readings.front().place.position, high = low;
+  for (const ErrorReading& reading : readings)
+    low = low.cwiseMin(reading.place.position), high = high.cwiseMax(reading.place.position);
+  return std::max(1e-3, 0.5 * (high - low).norm());
+}
+
 /// Centres such that every reading is near to one: each new one is the reading farthest from those before,
-/// until it is nearer than `kSamePlace` or there are `kMostPlaces`.
+/// until it is nearer than `kSamePlace` or there are `kMostPlaces`. Places passed in other ways are far.
 std::vector<size_t> OwnerOf(const std::vector<ErrorReading>& readings) {
+  const double half = HalfSize(readings);
+  const auto apart = [&](const MilledPlace& a, const MilledPlace& b) {
+    return (a.position - b.position).norm() + half * (a.feed - b.feed).norm();
+  };
   std::vector<size_t> owner(readings.size(), 0);
   std::vector<double> distance(readings.size(), std::numeric_limits<double>::infinity());
   size_t next = 0;
   for (size_t centre = 0; centre < kMostPlaces; ++centre) {
     for (size_t i = 0; i < readings.size(); ++i)
-      if (const double d = (readings[i].place - readings[next].place).norm(); d < distance[i])
+      if (const double d = apart(readings[i].place, readings[next].place); d < distance[i])
         distance[i] = d, owner[i] = centre;
     next = static_cast<size_t>(std::ranges::max_element(distance) - distance.begin());
     if (distance[next] < kSamePlace) break;
@@ -110,34 +127,32 @@ Places PlacesOf(const std::vector<ErrorReading>& readings) {
   const std::vector<size_t> owner = OwnerOf(readings);
   const size_t n = std::ranges::max(owner) + 1;
   Places places;
-  places.at.assign(n, Vector3d::Zero());
+  places.at.resize(n);
   places.value = places.count = VectorXd::Zero(static_cast<Eigen::Index>(n));
   for (size_t i = 0; i < readings.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(owner[i]);
-    places.at[owner[i]] += readings[i].place;
+    places.at[owner[i]].position += readings[i].place.position;
+    places.at[owner[i]].feed += readings[i].place.feed;
     places.value[k] += readings[i].error;
     places.count[k] += 1;
   }
-  for (size_t k = 0; k < n; ++k) places.at[k] /= places.count[static_cast<Eigen::Index>(k)];
+  for (size_t k = 0; k < n; ++k) {
+    places.at[k].position /= places.count[static_cast<Eigen::Index>(k)];
+    places.at[k].feed /= places.count[static_cast<Eigen::Index>(k)];
+  }
   for (Eigen::Index k = 0; k < places.value.size(); ++k) places.value[k] /= places.count[k];
   std::vector<double> spread(n, 0);
   std::vector<char> same(n, 1);
   for (size_t i = 0; i < readings.size(); ++i) {
     const double off = readings[i].error - places.value[static_cast<Eigen::Index>(owner[i])];
     spread[owner[i]] += off * off;
-    if ((readings[i].place - places.at[owner[i]]).norm() > kSamePlace) same[owner[i]] = 0;
+    if ((readings[i].place.position - places.at[owner[i]].position).norm() > kSamePlace) same[owner[i]] = 0;
   }
   for (size_t k = 0; k < n; ++k)
     if (const auto more = static_cast<int>(places.count[static_cast<Eigen::Index>(k)]) - 1;
         same[k] != 0 && more > 0)
       places.repeat_squares += spread[k], places.repeat_freedom += more;
   return places;
-}
-
-double HalfSize(const std::vector<Vector3d>& places) {
-  Vector3d low = places.front(), high = places.front();
-  for (const Vector3d& p : places) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  return std::max(1e-3, 0.5 * (high - low).norm());
 }
 
 /// Σ count·(what is foretold of each place by the others − its value)²: [K⁻¹y]ᵢ ÷ [K⁻¹]ᵢᵢ is the difference.
@@ -153,37 +168,37 @@ double LeftOut(const MatrixXd& inverse, const VectorXd& value, const VectorXd& c
 
 }  // namespace
 
-ErrorField::ErrorField(std::vector<Vector3d> places, const VectorXd& values, const VectorXd& counts,
-                       double length, double noise_ratio)
-    : places_(std::move(places)), length_(length) {
-  inverse_ = InverseOf(CovarianceOf(places_, counts, length, noise_ratio));
+ErrorField::ErrorField(std::vector<MilledPlace> places, const VectorXd& values, const VectorXd& counts,
+                       const Shape& shape)
+    : places_(std::move(places)), shape_(shape) {
+  inverse_ = InverseOf(CovarianceOf(places_, counts, shape));
   weights_ = Times(inverse_, values);
   scale_ = std::sqrt(std::max(0.0, Dot(values, weights_) / static_cast<double>(places_.size())));
-  noise_ = scale_ * std::sqrt(noise_ratio);
+  noise_ = scale_ * std::sqrt(shape.noise_ratio);
 }
 
-VectorXd ErrorField::Covariances(const Vector3d& place) const {
+VectorXd ErrorField::Covariances(const MilledPlace& place) const {
   VectorXd k(static_cast<Eigen::Index>(places_.size()));
   for (size_t i = 0; i < places_.size(); ++i)
-    k[static_cast<Eigen::Index>(i)] = 1 + Matern((places_[i] - place).norm(), length_);
+    k[static_cast<Eigen::Index>(i)] = Covariance(places_[i], place, shape_);
   return k;
 }
 
-double ErrorField::At(const Vector3d& place) const {
+double ErrorField::At(const MilledPlace& place) const {
   return places_.empty() ? 0 : Dot(Covariances(place), weights_);
 }
 
-double ErrorField::DeviationAt(const Vector3d& place) const {
+double ErrorField::DeviationAt(const MilledPlace& place) const {
   if (places_.empty()) return 0;
   const VectorXd k = Covariances(place);
-  return scale_ * std::sqrt(std::max(0.0, 2 - Dot(k, Times(inverse_, k))));
+  return scale_ * std::sqrt(std::max(0.0, Covariance(place, place, shape_) - Dot(k, Times(inverse_, k))));
 }
 
 FittedErrors FitErrors(const std::vector<ErrorReading>& readings) {
   constexpr size_t kLeastReadings = 6;
   constexpr int kDrawn = 99;
   constexpr std::array<double, 4> kLengths = {0.125, 0.25, 0.5, 1};  // of the half size
-  constexpr int kLevels = 12;
+  constexpr int kLevels = 8;
   FittedErrors fitted;
   fitted.readings = readings.size();
   if (readings.empty()) return fitted;
@@ -204,21 +219,22 @@ FittedErrors FitErrors(const std::vector<ErrorReading>& readings) {
   for (VectorXd& values : drawn)
     for (double& value : values) value = random.Below(2) == 0 ? value : -value;
   std::vector<double> least_drawn(kDrawn, std::numeric_limits<double>::infinity());
-  double least = std::numeric_limits<double>::infinity(), length = 1, ratio = 1;
-  const double half = HalfSize(places.at);
-  for (const double share : kLengths) {
-    double level = 1e-4;
-    for (int l = 0; l < kLevels; ++l, level *= 3.5) {
-      const MatrixXd inverse = InverseOf(CovarianceOf(places.at, places.count, share * half, level));
-      if (const double off = LeftOut(inverse, places.value, places.count); off < least)
-        least = off, length = share * half, ratio = level;
-      for (int d = 0; d < kDrawn; ++d)
-        least_drawn[static_cast<size_t>(d)] =
-            std::min(least_drawn[static_cast<size_t>(d)],
-                     LeftOut(inverse, drawn[static_cast<size_t>(d)], places.count));
-    }
+  double least = std::numeric_limits<double>::infinity();
+  ErrorField::Shape best;
+  const double half = HalfSize(readings);
+  for (int choice = 0; choice < 2 * kLevels * static_cast<int>(kLengths.size()); ++choice) {
+    ErrorField::Shape shape;
+    shape.by_feed = choice % 2;
+    shape.length = kLengths[static_cast<size_t>(choice / 2 / kLevels)] * half;
+    shape.noise_ratio = 1e-4;
+    for (int level = choice / 2 % kLevels; level > 0; --level) shape.noise_ratio *= 6;
+    const MatrixXd inverse = InverseOf(CovarianceOf(places.at, places.count, shape));
+    if (const double off = LeftOut(inverse, places.value, places.count); off < least)
+      least = off, best = shape;
+    for (size_t d = 0; d < drawn.size(); ++d)
+      least_drawn[d] = std::min(least_drawn[d], LeftOut(inverse, drawn[d], places.count));
   }
-  fitted.field = ErrorField(places.at, places.value, places.count, length, ratio);
+  fitted.field = ErrorField(places.at, places.value, places.count, best);
   fitted.left = std::sqrt(least / total);
   fitted.explained = std::max(0.0, 1 - least / all);
   fitted.significant =

@@ -8,37 +8,50 @@
 
 namespace millpose {
 
-/// A measured place of a face.
-struct ErrorReading {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< in P, mm
-  double error = 0;                                 ///< along the normal, mm; above 0: material was left
+/// A place of a face and the way in which the tool passed it.
+struct MilledPlace {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in P, mm
+  Eigen::Vector3d feed = Eigen::Vector3d::Zero();      ///< in P, unit vector; zero: not known
 };
 
-/// A Gaussian process over places: covariance s²·(1 + m(r/ℓ)), where m is Matérn's function of order 5/2 and
-/// the 1 an error that all places share (Rasmussen and Williams 2006, chapters 2, 4.2 and 5.4).
+/// What was measured at one.
+struct ErrorReading {
+  MilledPlace place;
+  double error = 0;  ///< along the normal, mm; above 0: material was left
+};
+
+/// A Gaussian process over places (Rasmussen and Williams 2006, chapters 2, 4.2 and 5.4) with covariance
+/// s²·(1 + a·f·f')·(1 + m(r/ℓ)): m is Matérn's function of order 5/2 over their distance r, the 1 beside it
+/// an error that all places share. a·f·f' is what follows the feed f: lost motion errs one way there and the
+/// other way back.
 class ErrorField {
  public:
   ErrorField() = default;
-  /// Through `values` (mm) at `places`, each the mean of `counts` readings; `length` is ℓ, mm, and
-  /// `noise_ratio` the variance of one reading ÷ s².
-  ErrorField(std::vector<Eigen::Vector3d> places, const Eigen::VectorXd& values,
-             const Eigen::VectorXd& counts, double length, double noise_ratio);
+  struct Shape {
+    double length = 1;       ///< ℓ, mm
+    double by_feed = 0;      ///< a
+    double noise_ratio = 1;  ///< variance of one reading ÷ s²
+  };
+  /// Through `values` (mm) at `places`, each the mean of `counts` readings.
+  ErrorField(std::vector<MilledPlace> places, const Eigen::VectorXd& values, const Eigen::VectorXd& counts,
+             const Shape& shape);
 
   /// The smooth error at a place, mm; 0 for a field without places.
-  double At(const Eigen::Vector3d& place) const;
+  double At(const MilledPlace& place) const;
   /// Its standard deviation, mm.
-  double DeviationAt(const Eigen::Vector3d& place) const;
+  double DeviationAt(const MilledPlace& place) const;
   /// Of one reading, mm.
   double noise() const { return noise_; }
-  double length() const { return length_; }
+  const Shape& shape() const { return shape_; }
 
  private:
-  Eigen::VectorXd Covariances(const Eigen::Vector3d& place) const;
+  Eigen::VectorXd Covariances(const MilledPlace& place) const;
 
-  std::vector<Eigen::Vector3d> places_;
+  std::vector<MilledPlace> places_;
   Eigen::MatrixXd inverse_;  ///< K⁻¹
   Eigen::VectorXd weights_;  ///< K⁻¹·values
-  double length_ = 1, scale_ = 0, noise_ = 0;
+  Shape shape_;
+  double scale_ = 0, noise_ = 0;
 };
 
 /// A field and what the readings say of it.
@@ -54,9 +67,10 @@ struct FittedErrors {
   bool significant = false;
 };
 
-/// Readings nearer than 0.01 mm are of one place; of more than 250 places neighbours are averaged. Length and
-/// noise are those that foretell every place best from the others (leave-one-out, exact), of 4 lengths
-/// between an eighth of the face's half size and the whole, and 12 levels of noise. The same bits on every
+/// Readings nearer than 0.01 mm are of one place; of more than 250 places neighbours that were passed the
+/// same way are averaged. Length, share that follows the feed, and noise are those that foretell every place
+/// best from the others (leave-one-out, exact): of 4 lengths between an eighth of the face's half size and
+/// the whole, a of 0 and 1, and 8 levels of noise. The same bits on every
 /// machine. At least 6 readings, else nothing is significant.
 FittedErrors FitErrors(const std::vector<ErrorReading>& readings);
 

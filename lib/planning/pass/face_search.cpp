@@ -187,7 +187,7 @@ std::optional<FaceCandidate> FaceSearch::Searched() {
       size_t worst_at = 0;
       segment_.Figures(found->path, &worst_at);
       places[worst_at] = true;
-      if (!best || Better(found->figures, best->figures)) best = std::move(found);
+      if (!best || Better(found->figures, best->figures)) best.emplace(std::move(*found));
       if (best->figures.worst <= limit_ * kRounding || limit_ == 0) break;
       bar_beside(places, 0);
     } else if (!known) {

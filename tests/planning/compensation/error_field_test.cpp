@@ -5,6 +5,7 @@
 #include "base/random.hpp"
 #include "base/rotation.hpp"
 #include "base/units.hpp"
+#include "geometry/mesh/point_fit.hpp"
 #include "job/assemble.hpp"
 #include "job/workpiece.hpp"
 #include "machine/robot/kinematics.hpp"
@@ -33,11 +34,17 @@ double SmoothError(const Vector3d& p) {
   return 0.1 + 0.12 * SinCos(p.x() / 150).sin + 0.08 * SinCos(p.y() / 200 + 1).cos;
 }
 
+/// There and back, line by line.
+Vector3d Feed(const Vector3d& place) {
+  const int line = static_cast<int>(std::floor((place.y() + 450) / 128 + 0.5));
+  return line % 2 == 0 ? Vector3d::UnitX() : Vector3d(-Vector3d::UnitX());
+}
+
 std::vector<ErrorReading> Readings(RandomStream& random, double pattern, double noise, int times = 1) {
   std::vector<ErrorReading> readings;
   for (const Vector3d& place : FacePlaces())
     for (int k = 0; k < times; ++k)
-      readings.push_back({place, pattern * SmoothError(place) + noise * random.Normal()});
+      readings.push_back({{place, Feed(place)}, pattern * SmoothError(place) + noise * random.Normal()});
   return readings;
 }
 
@@ -60,12 +67,28 @@ TEST(ErrorField, APatternUnderNoiseIsFoundBetweenTheReadings) {
   for (int i = 0; i < 200; ++i) {
     const double x = random.Uniform(-290, 290), y = random.Uniform(-440, 440);
     const Vector3d place(x, y, -y * y / 3000);
-    const double off = std::abs(fitted.field.At(place) - SmoothError(place));
+    const double off = std::abs(fitted.field.At({place}) - SmoothError(place));
     worst = std::max(worst, off);
-    outside += off > 3 * fitted.field.DeviationAt(place) ? 1 : 0;
+    outside += off > 3 * fitted.field.DeviationAt({place}) ? 1 : 0;
   }
   EXPECT_LT(worst, 0.03);
   EXPECT_LT(outside, 10);
+}
+
+// Lost motion errs one way there and the other way back: neighbouring lines say the contrary of each other.
+TEST(ErrorField, WhatFollowsTheFeedIsToldApart) {
+  RandomStream random(43, 27);
+  std::vector<ErrorReading> readings;
+  for (const Vector3d& place : FacePlaces())
+    readings.push_back(
+        {{place, Feed(place)}, 0.5 * SmoothError(place) + 0.1 * Feed(place).x() + 0.005 * random.Normal()});
+  const FittedErrors fitted = FitErrors(readings);
+  EXPECT_TRUE(fitted.significant);
+  EXPECT_GT(fitted.field.shape().by_feed, 0);
+  const Vector3d place(20, 100, -10000.0 / 3000);
+  for (const double way : {1.0, -1.0})
+    EXPECT_NEAR(fitted.field.At({place, way * Vector3d::UnitX()}), 0.5 * SmoothError(place) + 0.1 * way,
+                0.02);
 }
 
 TEST(ErrorField, PlacesReadTwiceTellWhatAReadingIsWorth) {
@@ -81,12 +104,12 @@ TEST(ErrorField, ManyReadingsAreAveragedInPlaces) {
   std::vector<ErrorReading> readings;
   for (int i = 0; i < 3000; ++i) {
     const Vector3d place(random.Uniform(-300, 300), random.Uniform(-450, 450), 0);
-    readings.push_back({place, SmoothError(place) + 0.05 * random.Normal()});
+    readings.push_back({{place}, SmoothError(place) + 0.05 * random.Normal()});
   }
   const FittedErrors fitted = FitErrors(readings);
   EXPECT_EQ(fitted.places, 250u);
   EXPECT_TRUE(fitted.significant);
-  EXPECT_NEAR(fitted.field.At({10, -20, 0}), SmoothError({10, -20, 0}), 0.02);
+  EXPECT_NEAR(fitted.field.At({{10, -20, 0}}), SmoothError({10, -20, 0}), 0.02);
 }
 
 // What only half comes back is told as a half, what does not come back as nothing.
@@ -108,15 +131,15 @@ struct BuiltArm {
   std::array<Eigen::Matrix<double, 6, 1>, 6> frames;  ///< shift (mm) and turn (rad) of each joint's frame
   Joints gear, phase, waves, lost;                    ///< rad, rad, waves a revolution, rad
 
-  explicit BuiltArm(RandomStream& random) {
-    constexpr double kShift = 0.25, kTurn = 3e-4, kGear = 10.0 / 3600, kLost = 0.3 / 60;  // mm, rad, degrees
+  BuiltArm(RandomStream& random, double lost_arcmin) {
+    constexpr double kShift = 0.25, kTurn = 3e-4, kGear = 10.0 / 3600;  // mm, rad, degrees
     for (auto& frame : frames)
       for (int k = 0; k < 6; ++k) frame[k] = (k < 3 ? kShift : kTurn) * random.Normal();
     for (int j = 0; j < 6; ++j) {
       gear[j] = DegToRad(kGear);
       phase[j] = random.Uniform(0, 2 * kPi);
       waves[j] = random.Uniform(20, 60);
-      lost[j] = DegToRad(kLost);
+      lost[j] = DegToRad(lost_arcmin / 60);
     }
   }
 
@@ -134,9 +157,10 @@ struct BuiltArm {
     return off + Jacobian(arm, q, p_FT).topRows<3>() * dq;
   }
 
-  /// Along the normal at every point of a plan, as nominal or as commanded, mm.
-  std::vector<double> FaceErrors(const PlanResult& plan, bool commanded) const {
-    std::vector<double> errors;
+  /// Where the tip is at every point of a plan against where it is wanted, in P, mm; the programs as nominal
+  /// or as commanded.
+  std::vector<Vector3d> TipErrors(const PlanResult& plan, bool commanded) const {
+    std::vector<Vector3d> errors;
     Joints output = plan.passes[0].points[0].q;
     for (const PassResult& pass : plan.passes)
       for (const PlannedPoint& point : pass.points) {
@@ -144,38 +168,72 @@ struct BuiltArm {
         for (int j = 0; j < 6; ++j) output[j] = std::clamp(output[j], q[j] - lost[j] / 2, q[j] + lost[j] / 2);
         const Vector3d off = plan.X_WB.linear() * Off(plan.arm, q, plan.X_FT.translation(), output - q);
         const Vector3d there = plan.X_WB * ForwardFlange(plan.arm, q) * plan.X_FT.translation();
-        errors.push_back(point.point.normal.dot(there + off - point.point.position));
+        errors.push_back(plan.X_WP.linear().transpose() * (there + off - point.point.position));
       }
     return errors;
   }
 };
 
-std::vector<Vector3d> PlacesOnPart(const PlanResult& plan) {
-  std::vector<Vector3d> places;
+std::vector<MilledPlace> PlacesOnPart(const PlanResult& plan) {
+  std::vector<MilledPlace> places;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points)
-      places.push_back(plan.X_WP.inverse() * point.point.position);
+      places.push_back(
+          {plan.X_WP.inverse() * point.point.position, plan.X_WP.linear().transpose() * point.point.feed});
   return places;
 }
 
-/// What measuring $BASE at the face's four corners takes out: offset and slopes of the errors there.
-std::vector<double> BaseAtCorners(const std::vector<Vector3d>& places, const std::vector<double>& errors) {
-  Eigen::Matrix<double, 4, 3> rows;
-  Eigen::Vector4d values;
-  int row = 0;
+/// The place of the part as the arm itself finds it at the face's four corners: what is milled is off against
+/// that.
+Eigen::Isometry3d BaseAtCorners(const std::vector<MilledPlace>& places, const std::vector<Vector3d>& errors) {
+  std::vector<Vector3d> nominal, touched;
   for (const auto& [x, y] : {std::pair(1, 1), {1, -1}, {-1, 1}, {-1, -1}}) {
-    const auto corner =
-        std::ranges::max_element(places, {}, [&](const Vector3d& p) { return x * p.x() + y * p.y(); });
-    rows.row(row) << 1, corner->x(), corner->y();
-    values[row++] = errors[static_cast<size_t>(corner - places.begin())];
+    const auto corner = std::ranges::max_element(
+        places, {}, [&](const MilledPlace& p) { return x * p.position.x() + y * p.position.y(); });
+    nominal.push_back(corner->position);
+    touched.push_back(corner->position + errors[static_cast<size_t>(corner - places.begin())]);
   }
-  const Vector3d fit = rows.colPivHouseholderQr().solve(values);
-  std::vector<double> taken;
-  for (const Vector3d& p : places) taken.push_back(fit.dot(Vector3d(1, p.x(), p.y())));
-  return taken;
+  return FitPoints(nominal, touched)->X;
 }
 
-/// The sample panel's path with few points, each milled with one rotation about the tool axis.
+/// Along the normal, mm, with that $BASE.
+std::vector<double> FaceErrors(const PlanResult& plan, const std::vector<MilledPlace>& places,
+                               const std::vector<Vector3d>& errors, const Eigen::Isometry3d& base) {
+  std::vector<double> along;
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points) {
+      const Vector3d& p = places[along.size()].position;
+      const Vector3d normal = plan.X_WP.linear().transpose() * point.point.normal;
+      along.push_back(normal.dot(p + errors[along.size()] - base * p));
+    }
+  return along;
+}
+
+/// A pass milled with one rotation about the tool axis on one branch; empty where that leaves the limits.
+std::optional<PassResult> MilledWith(const Cell& cell, const Pass& pass, double rotation, int branch) {
+  PassResult result;
+  Joints near = cell.home;
+  for (const MillingPoint& point : pass.points) {
+    const Vector3d z = point.normal, level = Vector3d::UnitZ().cross(z).normalized();
+    const SineCosine turn = SinCos(rotation);
+    const Vector3d x = turn.cos * level + turn.sin * z.cross(level);
+    Pose X_WT = Pose::Identity();
+    X_WT.linear() << x, z.cross(x), z;
+    X_WT.translation() = point.position;
+    const auto q = InverseNear(cell.arm, cell.X_WB.inverse() * X_WT * cell.X_FT.inverse(), branch, near);
+    if (!q || (q->array() < cell.arm.lower.array() + 0.01).any() ||
+        (q->array() > cell.arm.upper.array() - 0.01).any())
+      return std::nullopt;
+    PlannedPoint& planned = result.points.emplace_back();
+    planned.point = point;
+    planned.q = near = *q;
+    planned.branch = branch;
+  }
+  result.pieces.push_back({0, 0, 0, static_cast<int>(pass.points.size()) - 1, false});
+  return result;
+}
+
+/// The sample panel's path with few points, milled with one rotation about the tool axis.
 PlanResult PanelPlan() {
   const std::filesystem::path source = SourceDir();
   const JobInputs inputs = LoadJobInputs(source / "toolpaths/cabin_panel/job.yaml",
@@ -187,73 +245,77 @@ PlanResult PanelPlan() {
   PlanResult plan;
   plan.arm = cell.arm;
   plan.X_WB = cell.X_WB, plan.X_FT = cell.X_FT, plan.X_WP = cell.X_WP;
-  for (const Pass& pass : path.passes) {
-    PassResult& result = plan.passes.emplace_back();
-    result.pass = static_cast<int>(plan.passes.size()) - 1;
-    for (const MillingPoint& point : pass.points) {
-      PlannedPoint planned;
-      planned.point = point;
-      Pose X_WT = Pose::Identity();
-      const Vector3d z = point.normal, x = Vector3d::UnitZ().cross(z).normalized();
-      X_WT.linear() << x, z.cross(x), z;
-      X_WT.translation() = point.position;
-      const InverseResult found = Inverse(cell.arm, cell.X_WB.inverse() * X_WT * cell.X_FT.inverse());
-      const auto* solution = std::ranges::find(found.solutions, 2, &ArmSolution::branch);
-      if (solution == found.solutions.end() || found.count == 0) continue;
-      planned.q = solution->q;
-      planned.branch = solution->branch;
-      result.points.push_back(planned);
+  for (int way = 0; way < 12 * 8; ++way) {
+    plan.passes.clear();
+    for (const Pass& pass : path.passes) {
+      std::optional<PassResult> milled = MilledWith(cell, pass, way / 8 * kPi / 6, way % 8);
+      if (!milled) break;
+      milled->pass = milled->pieces[0].pass = static_cast<int>(plan.passes.size());
+      plan.passes.push_back(std::move(*milled));
     }
-    const auto last = static_cast<int>(result.points.size()) - 1;
-    result.pieces.push_back({result.pass, 0, 0, last, false});
+    if (plan.passes.size() == path.passes.size()) return plan;
   }
+  ADD_FAILURE() << "no rotation serves the whole panel";
   return plan;
 }
 
-/// Worst error of the first part and of a second that follows the first's map.
-std::pair<double, double> WorstOfTwoParts(PlanResult plan, RandomStream& random, double reading_noise) {
-  const BuiltArm arm(random);
-  const std::vector<Vector3d> places = PlacesOnPart(plan);
-  const std::vector<double> first = arm.FaceErrors(plan, false), base = BaseAtCorners(places, first);
-  double worst = 0;
+/// Errors of a first part and of a second that follows the first's map, mm.
+struct TwoParts {
+  double worst = 0, rms = 0, worst_after = 0, rms_after = 0;
+};
+
+TwoParts MillTwo(PlanResult plan, const BuiltArm& arm, RandomStream& random) {
+  constexpr double kReading = 0.005;
+  const std::vector<MilledPlace> places = PlacesOnPart(plan);
+  const std::vector<Vector3d> tips = arm.TipErrors(plan, false);
+  const Eigen::Isometry3d base = BaseAtCorners(places, tips);
+  const auto figures = [](const std::vector<double>& errors) {
+    double worst = 0, squares = 0;
+    for (const double error : errors) worst = std::max(worst, std::abs(error)), squares += error * error;
+    return std::pair(worst, std::sqrt(squares / static_cast<double>(errors.size())));
+  };
+  const std::vector<double> first = FaceErrors(plan, places, tips, base);
   std::vector<ErrorReading> readings;
-  for (size_t i = 0; i < first.size(); ++i) {
-    worst = std::max(worst, std::abs(first[i] - base[i]));
-    if (i % 2 == 0) readings.push_back({places[i], first[i] - base[i] + reading_noise * random.Normal()});
-  }
+  for (size_t i = 0; i < first.size(); i += 2)
+    readings.push_back({places[i], first[i] + kReading * random.Normal()});
   const FittedErrors fitted = FitErrors(readings);
   EXPECT_TRUE(fitted.significant);
   CompensationOptions options;
   options.most = 5;
+  size_t number = 0;
   for (const PassResult& pass : plan.passes) {
     std::vector<double>& amounts = options.map.emplace_back();
-    for (size_t i = 0; i < pass.points.size(); ++i)
-      amounts.push_back(fitted.field.At(plan.X_WP.inverse() * pass.points[i].point.position));
+    for (size_t i = 0; i < pass.points.size(); ++i) amounts.push_back(fitted.field.At(places[number++]));
   }
   Compensate(options, ForcesOf(plan), plan);
-  double worst_after = 0;
-  const std::vector<double> second = arm.FaceErrors(plan, true);
-  for (size_t i = 0; i < second.size(); ++i)
-    worst_after = std::max(worst_after, std::abs(second[i] - base[i]));
-  return {worst, worst_after};
+  TwoParts parts;
+  std::tie(parts.worst, parts.rms) = figures(first);
+  std::tie(parts.worst_after, parts.rms_after) =
+      figures(FaceErrors(plan, places, arm.TipErrors(plan, true), base));
+  return parts;
 }
 
-// Geometry, gears and lost motion that nobody knows: the second part's worst error against the first's.
+// Geometry, gears and lost motion that nobody knows. What a joint loses where it turns back is a step, which
+// no smooth field follows: it bounds the worst place, and little else.
 TEST(ErrorMap, OneMeasuredPartCorrectsTheNext) {
   const PlanResult plan = PanelPlan();
-  size_t points = 0;
-  for (const PassResult& pass : plan.passes) points += pass.points.size();
-  ASSERT_GT(points, 300u);
-  RandomStream random(43, 26);
-  std::vector<double> ratios;
-  for (int draw = 0; draw < OfTier(2, 20); ++draw) {
-    const auto [before, after] = WorstOfTwoParts(plan, random, 0.005);
-    ratios.push_back(after / before);
+  for (const double lost : {0.0, 0.3}) {
+    RandomStream random(43, 26);
+    std::vector<double> worst, rms;
+    for (int draw = 0; draw < OfTier(2, 20); ++draw) {
+      const BuiltArm arm(random, lost);
+      const TwoParts parts = MillTwo(plan, arm, random);
+      worst.push_back(parts.worst_after / parts.worst);
+      rms.push_back(parts.rms_after / parts.rms);
+    }
+    std::ranges::sort(worst);
+    std::ranges::sort(rms);
+    const std::string of = lost > 0 ? "lost_motion" : "no_lost_motion";
+    RecordProperty(of + "_worst_ratio", fmt::format("{:.3f}", worst[worst.size() / 2]));
+    RecordProperty(of + "_rms_ratio", fmt::format("{:.3f}", rms[rms.size() / 2]));
+    EXPECT_LE(worst[worst.size() / 2], lost > 0 ? 0.5 : 0.35) << of;
+    EXPECT_LE(rms[rms.size() / 2], lost > 0 ? 0.35 : 0.15) << of;
   }
-  std::ranges::sort(ratios);
-  RecordProperty("median_ratio", fmt::format("{:.3f}", ratios[ratios.size() / 2]));
-  RecordProperty("worst_ratio", fmt::format("{:.3f}", ratios.back()));
-  EXPECT_LE(ratios[ratios.size() / 2], 0.35);
 }
 
 TEST(ErrorMap, IsBoundedByTheLargestShiftAndLeavesTheRest) {

@@ -175,6 +175,7 @@ TEST(FixedRotation, CountsTheJointsThatTurnBack) {
   const std::vector<PassResult> planned = Plan(problem, world, Rows(), true);
   FixedRotationOptions options = FixedOptions(true);
   options.gears.lost.width.head<6>().setConstant(DegToRad(0.005));
+  options.gears.lost.dead_zone.setConstant(1e-6);
   std::fill_n(options.gears.known.begin(), 6, true);
   const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, options);
   GearTally plan, fixed;

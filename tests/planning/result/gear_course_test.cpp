@@ -114,7 +114,8 @@ TEST(GearCourse, EveryPieceIsEnteredSettled) {
   back.pass = 1;
   back.pieces[0].pass = 1;
   plan.passes.push_back(back);
-  const GearModel model = Known(0.3);
+  GearModel model = Known(0);
+  model.lost.width[1] = 0.3 * kArcmin;
   const GearCourse course = Follow(plan, model);
   EXPECT_TRUE(course.marks.empty());
   for (size_t t = 0; t < 3; ++t)  // the same pose, gone through the other way: the other flank

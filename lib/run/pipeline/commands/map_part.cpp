@@ -15,6 +15,13 @@ using Eigen::Vector3d;
 
 constexpr double kReadMicrometre = 1e-3;  // mm
 
+/// A point of a pass as the part sees it.
+MilledPlace PlaceOnPart(const PlanResult& plan, const PassResult& pass, size_t i) {
+  const Pose X_PW = PartAt(plan, ExternalAt(pass, i)).inverse(Eigen::Isometry);
+  const MillingPoint& point = pass.points[i].point;
+  return {X_PW * point.position, X_PW.linear() * point.feed};
+}
+
 /// The cut points of the finished face, in P, to be asked for the nearest.
 class MappedFace {
  public:
@@ -25,22 +32,23 @@ class MappedFace {
       for (size_t i = 0; i < pass.points.size(); ++i) {
         const PlannedPoint& point = pass.points[i];
         if (point.skip != Infeasibility::kNone || point.point.kind != PointKind::kCut) continue;
-        places_.push_back(PartAt(plan, ExternalAt(pass, i)).inverse(Eigen::Isometry) * point.point.position);
-        boxes.emplace_back(places_.back());
+        places_.push_back(PlaceOnPart(plan, pass, i));
+        boxes.emplace_back(places_.back().position);
       }
     }
     tree_ = Bvh(boxes);
   }
 
   bool empty() const { return places_.empty(); }
-  /// mm
-  double Distance(const Vector3d& p) const {
-    const auto distance = [&](int i) { return (places_[static_cast<size_t>(i)] - p).squaredNorm(); };
-    return std::sqrt(tree_.Nearest(p, std::numeric_limits<double>::infinity(), distance).second);
+  /// The cut point nearest to p.
+  const MilledPlace& Nearest(const Vector3d& p) const {
+    const auto distance = [&](int i) { return (places_[static_cast<size_t>(i)].position - p).squaredNorm(); };
+    return places_[static_cast<size_t>(
+        tree_.Nearest(p, std::numeric_limits<double>::infinity(), distance).first)];
   }
 
  private:
-  std::vector<Vector3d> places_;
+  std::vector<MilledPlace> places_;
   Bvh tree_;
 };
 
@@ -53,7 +61,8 @@ std::vector<ErrorReading> ReadErrors(const std::filesystem::path& file, const Fi
   std::vector<Problem> problems;
   for (size_t row = 0; row < table.size(); ++row) {
     const Vector3d place(table.At(row, "x_mm"), table.At(row, "y_mm"), table.At(row, "z_mm"));
-    const double error = table.At(row, "error_um"), distance = face.Distance(place);
+    const MilledPlace& nearest = face.Nearest(place);
+    const double error = table.At(row, "error_um"), distance = (nearest.position - place).norm();
     if (distance > most_distance)
       problems.push_back(
           {{name, table.line(row)},
@@ -64,7 +73,7 @@ std::vector<ErrorReading> ReadErrors(const std::filesystem::path& file, const Fi
       problems.push_back({{name, table.line(row)},
                           fmt::format("error_um: given {}; allowed: within ±{}", error, kMostError)});
     farthest = std::max(farthest, distance);
-    readings.push_back({place, kReadMicrometre * error});
+    readings.push_back({{place, nearest.feed}, kReadMicrometre * error});
   }
   if (!problems.empty()) throw InputError(std::move(problems));
   return readings;
@@ -80,13 +89,14 @@ void FillMap(const PlanResult& plan, MappedPart& part) {
       if (point.skip != Infeasibility::kNone) continue;
       MapRow row;
       row.point = number;
-      row.place = PartAt(plan, ExternalAt(pass, i)).inverse(Eigen::Isometry) * point.point.position;
+      const MilledPlace place = PlaceOnPart(plan, pass, i);
+      row.place = place.position;
       row.q = point.q;
       row.other = OtherAlongNormal(point);
       const double before = point.compensation ? point.compensation->map : 0;
       part.corrected_before = part.corrected_before || before != 0;
-      row.amount = before + part.share * part.fitted.field.At(row.place);
-      row.sd = part.fitted.field.DeviationAt(row.place);
+      row.amount = before + part.share * part.fitted.field.At(place);
+      row.sd = part.fitted.field.DeviationAt(place);
       part.largest = std::max(part.largest, std::abs(row.amount));
       part.largest_sd = std::max(part.largest_sd, row.sd);
       rows.push_back(row);
