@@ -358,7 +358,7 @@ bool Mutant::MustPass() const {
                            "SPINDLE_OFF(", "mp_wobj:=", "mp_tool:=", "LOCAL PERS"})
     if (before.starts_with(word)) return false;
   // What must have one value is held to it also where it is stated again before any motion.
-  for (const char* word : {"VelSet", "AccSet"})
+  for (const char* word : {"VelSet", "AccSet", "GripLoad", "ActUnit"})
     if (before.starts_with(word)) return false;
   // The check of the controller's frame is read as one text.
   for (const char* word : {"MP_", "LOOP", "HALT", "ENDLOOP", "ENDIF"})

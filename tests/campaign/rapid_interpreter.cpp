@@ -268,6 +268,7 @@ class Rapid : public Mover {
     std::string value = word == "SET" ? "1" : word == "RESET" ? "0" : "pulse";
     if (word.starts_with("SET") && word != "SET") {
       in.Need(",");
+      if (in.Sees("-") || in.Sees("+")) trace.open = "a sign before the value of a signal";
       const double number = in.Num();
       value = fmt::format("{}{}", word == "SETDO" ? "" : "S", number + 0.0);
       if (word == "SETDO" && number != 0 && number != 1) throw Refusal{"0 or 1 expected"};
