@@ -264,6 +264,21 @@ class Calibrate(Row):
         return MILLPOSE, "calibrate", self.top / "measured.csv", "--plan", self.top / "out", "--job", self.job, "--write-job", self.job
 
 
+class Face(Row):
+    quick = 4
+    part = staticmethod(of_folder)
+
+    def prepare(self):
+        self.job = self.top / "job.yaml"
+        self.job.write_text(self.text)
+        self.millpose("plan", self.job, "-o", self.top / "out", "--threads", 1)
+        (self.top / "face.csv").write_text("an older face")
+
+    def command(self):
+        return (MILLPOSE, "face", self.top / "out", "--job", self.job, "--threads", 1, "--draws", 0, "--spacing-mm", 4,
+                "--csv", self.top / "face.csv")
+
+
 class Check(Row):
     quick = 5
 
@@ -342,7 +357,7 @@ class Flatness(Row):
 
 # What every command of the program's table writes with; what it only reads with, where it writes nothing.
 WRITERS = {"plan": (Plan, PlanOfOperations, Share), "batch": (Batch, BatchOnSlurm), "place": (Place,), "init": (Init,),
-           "identify": (Identify,), "calibrate": (Calibrate,), "register": (Register,), "face": (Face,), "check": (Check,), "stiffness": (Map,)}
+           "identify": (Identify,), "calibrate": (Calibrate,), "register": (Register,), "face": (Face,), "check": (Check,), "face": (Face,), "stiffness": (Map,)}
 READERS = {"verify": reading("verify", "@out"), "inspect": reading("inspect", "@out"), "flatness": Flatness,
            "schema": without_folder("schema", "job"), "man": without_folder("man"), "completion": without_folder("completion")}
 
