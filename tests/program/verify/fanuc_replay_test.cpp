@@ -34,9 +34,15 @@ class FanucReplay : public testing::TestWithParam<std::string> {
     return Verify(read, world, &sample.program, options, {.threads = 1});
   }
 
-  void Replace(const std::string& from, const std::string& to, int nth = 0) {
-    std::string& line = sample.lines[sample.Find(from, nth)];
-    line.replace(line.find(from), from.size(), to);
+  /// In the nth line that holds it; false where none does.
+  bool Replace(const std::string& from, const std::string& to, int nth = 0) {
+    for (std::string& line : sample.lines) {
+      const size_t at = line.find(from);
+      if (at == std::string::npos || nth-- > 0) continue;
+      line.replace(at, from.size(), to);
+      return true;
+    }
+    return false;
   }
 };
 INSTANTIATE_TEST_SUITE_P(Frames, FanucReplay, testing::Values("fanuc", "fanuc_held", "fanuc_cnt", "fanuc_cr"),
@@ -58,7 +64,7 @@ TEST_P(FanucReplay, AnotherConfigurationOrTurnIsFoundAtItsMotion) {
                                    std::string{letters[0], ' ', bent, ' ', letters[4]},
                                    std::string{letters[0], ' ', letters[2], ' ', reached}}) {
     const std::vector<std::string> lines = sample.lines;
-    Replace(config, config.substr(0, at) + other + config.substr(at + 5), 0);
+    ASSERT_TRUE(Replace(config, config.substr(0, at) + other + config.substr(at + 5)));
     // The first line that has this CONFIG may be another one: all of a cut have the same.
     const std::vector<Finding> findings = Findings();
     ASSERT_FALSE(findings.empty()) << other;
@@ -66,7 +72,7 @@ TEST_P(FanucReplay, AnotherConfigurationOrTurnIsFoundAtItsMotion) {
     EXPECT_NE(findings[0].message.find("is stated"), std::string::npos) << findings[0].message;
     sample.lines = lines;
   }
-  Replace(numbers, ", 1, 0, 0", 0);
+  ASSERT_TRUE(Replace(numbers, ", 1, 0, 0"));
   const std::vector<Finding> findings = Findings();
   ASSERT_FALSE(findings.empty());
   EXPECT_NE(findings[0].message.find("180 to 540 deg are stated"), std::string::npos) << findings[0].message;
@@ -82,7 +88,9 @@ TEST_P(FanucReplay, WhatMattersIsFound) {
                                                         {"DO[1]=OFF", "DO[2]=OFF", ""},
                                                         {"    X = ", "    X = 1", ""}}) {
     const std::vector<std::string> lines = sample.lines;
-    Replace(edit.from, edit.to, edit.from.starts_with("DO") ? 0 : 1);
+    const bool found = Replace(edit.from, edit.to, edit.from.starts_with("DO") ? 0 : 1);
+    EXPECT_TRUE(found || (edit.from == "CNT0" && GetParam() == "fanuc_cnt")) << edit.from;
+    if (!found) continue;
     try {
       const std::vector<Finding> findings = Findings();
       ASSERT_FALSE(findings.empty()) << edit.to;
