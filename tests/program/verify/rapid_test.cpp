@@ -86,7 +86,7 @@ TEST_F(RapidReplay, IsConfirmed) {
 
 TEST_F(RapidReplay, DamageIsCaughtWithItsLine) {
   const std::vector<RapidEdit> damages = {
-      {kCutLine, 4, "", ""},
+      {"^MoveL .*fine", 2, "", ""},
       {kCutLine, 0, "", ""},
       {kWayLine, 1, "", ""},
       {kWayLine, 2, "", ""},
