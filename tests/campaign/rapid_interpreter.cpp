@@ -268,6 +268,7 @@ class Rapid : public Mover {
     std::string value = word == "SET" ? "1" : word == "RESET" ? "0" : "pulse";
     if (word.starts_with("SET") && word != "SET") {
       in.Need(",");
+      if (in.Sees("-") || in.Sees("+")) trace.open = "a sign before the value of a signal";
       const double number = in.Num();
       value = fmt::format("{}{}", word == "SETDO" ? "" : "S", number + 0.0);
       if (word == "SETDO" && number != 0 && number != 1) throw Refusal{"0 or 1 expected"};
@@ -349,9 +350,10 @@ class Rapid : public Mover {
 
   /// "robtarget": axes that there are none of must be 9E9.
   void External(const std::vector<double>& eax) {
+    const double none = static_cast<double>(9e9F);
     for (size_t i = 0; i < 6; ++i) {
       const bool used = i < machine_.external.size();
-      if (used == (eax[i] >= 8.9e9)) throw Refusal{used ? "where an axis goes" : "no such axis"};
+      if (used == (eax[i] == none)) throw Refusal{used ? "where an axis goes" : "no such axis"};
       if (used) external_[machine_.external[i]] = eax[i];
     }
   }

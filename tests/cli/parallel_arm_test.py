@@ -108,7 +108,7 @@ class ParallelArm(unittest.TestCase):
         of = {p["controller"]: p["but_for"] for p in summary["programs"]}
         self.assertIsNone(of["linuxcnc"])
         self.assertEqual(of["urscript"]["what"], "corner")
-        self.assertTrue(0 < of["urscript"]["bound_mm"] <= 0.05)
+        self.assertTrue(0 <= of["urscript"]["bound_mm"] <= 0.05)
         self.assertIn("triangle", of["urscript"]["assumption"])
         for target in ((self.folder,), (program, "--cell", BENCH.top / "cells/ur10e.yaml"), (program, "--plan", self.folder)):
             verified = BENCH.run("verify", *target)

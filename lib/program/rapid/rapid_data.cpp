@@ -201,9 +201,9 @@ double ReadZone(LineScanner& scan) {
   }
   scan.Expect("]");
   if (!(zone[0] > 0)) scan.FailFrom(start, "a zone above 0 expected; a stop is fine");
-  if (zone[1] != zone[0] || zone[2] != zone[0])
+  if (zone[1] > zone[0] || zone[2] > zone[0])
     scan.FailFrom(start,
-                  "pzone_ori and pzone_eax as large as pzone_tcp expected: of larger ones nobody says "
+                  "pzone_ori and pzone_eax no larger than pzone_tcp expected: of larger ones nobody says "
                   "how far the orientation leaves its corner");
   for (size_t i = 0; i < kWideZones.size(); ++i)
     if (zone[i + 3] != kWideZones[i])

@@ -116,7 +116,10 @@ double CheckCornerBounds(const Replayed& replayed, const Cell& cell, const Verif
   for (size_t i = 0; i < replayed.program.motions.size(); ++i) {
     const CornerRounding bound = CornerBoundAt(replayed, cell, i);
     most = std::max(most, bound.position);
-    if (bound.position <= options.max_corner && bound.angle <= options.angle_tolerance) continue;
+    // A cell that says nothing allows no such corner, be it one of a straight path.
+    const Motion& motion = replayed.program.motions[i];
+    const bool allowed = options.max_corner > 0 || motion.exact || motion.blend <= 0 || !HasFeed(motion);
+    if (allowed && bound.position <= options.max_corner && bound.angle <= options.angle_tolerance) continue;
     findings.push_back(
         At(replayed.program, i, Cause::kCorner,
            fmt::format("the corner's path is not documented by the maker and bounded by {:.4f} mm and {:.4f} "

@@ -160,6 +160,18 @@ TEST(CornerBound, DecidesWithAPlanAndWithout) {
   }
 }
 
+TEST(CornerBound, ACellThatSaysNothingAllowsNone) {
+  Undocumented sample;
+  const MotionProgram read = sample.Read();
+  sample.options.angle_tolerance = 1;
+  sample.options.max_corner = 0;  // not even those of a straight path
+  EXPECT_EQ(sample.Findings(read, nullptr).size(),
+            static_cast<size_t>(std::ranges::count_if(
+                read.motions, [](const Motion& motion) { return !motion.exact && motion.blend > 0; })));
+  sample.options.max_corner = 1;
+  EXPECT_TRUE(sample.Findings(read, nullptr).empty());
+}
+
 TEST(CornerBound, IsNoneWhereTheMakerDocumentsTheCorner) {
   Undocumented sample;
   MotionProgram read = sample.Read();
