@@ -31,7 +31,7 @@ std::string FaceRow(const char* name, const FaceFigures& face) {
                                            face.within ? std::optional(face.within->range) : std::nullopt,
                                            face.step ? std::optional(face.step->height) : std::nullopt};
   std::string row = fmt::format("{:<22}", name);
-  for (const std::optional<double>& figure : figures) row += fmt::format("{:>10}", ShownMicrometres(figure));
+  for (const std::optional<double>& figure : figures) row += fmt::format("{:>11}", ShownMicrometres(figure));
   return row + '\n';
 }
 
@@ -73,8 +73,8 @@ const std::vector<std::string> kNotInFace{
 
 std::string FaceText(const FaceReport& report) {
   std::string text = fmt::format(
-      "face of {}: heights along the normal at {} places {:.4g} mm apart, um\n\n{:<22}{:>10}{:>10}{:>10}"
-      "{:>10}{:>10}{:>10}{:>10}{:>10}\n",
+      "face of {}: heights along the normal at {} places {:.4g} mm apart, um\n\n{:<22}{:>11}{:>11}{:>11}"
+      "{:>11}{:>11}{:>11}{:>11}{:>11}\n",
       report.job, report.plan.expected.figures.rays, report.rays.spacing, "", "level", "lowest", "highest",
       "flatness", "zone", "added", "in pass", "step");
   text += FaceRows(report.plan);
