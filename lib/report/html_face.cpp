@@ -34,7 +34,7 @@ class FaceLattice {
   int step() const { return step_; }
   const Eigen::Vector2i& size() const { return size_; }
 
-  /// What the tool's errors add to each place, µm, row by row; NaN where nothing is cut.
+  /// What the tool's errors add to each place, less its mean, µm, row by row; NaN where nothing is cut.
   std::vector<float> Added(const FaceStudy& study) const {
     std::vector<float> map(static_cast<size_t>(size_.prod()), std::numeric_limits<float>::quiet_NaN());
     for (size_t r = 0; r < rays_.size(); ++r) {
@@ -43,8 +43,8 @@ class FaceLattice {
       if (rays_[r].side != side_ || at.x() % step_ != 0 || at.y() % step_ != 0 || !height.IsCut() ||
           !flawless.IsCut())
         continue;
-      map[static_cast<size_t>(at.y() / step_ * size_.x() + at.x() / step_)] =
-          static_cast<float>(kToMicrometres * (height.height - flawless.height));
+      map[static_cast<size_t>(at.y() / step_ * size_.x() + at.x() / step_)] = static_cast<float>(
+          kToMicrometres * (height.height - flawless.height - study.expected.figures.added.level));
     }
     return map;
   }
@@ -64,7 +64,10 @@ Json FaceMapJson(const HtmlInput& input) {
   const FaceLattice lattice(face.rays);
   const int axis = lattice.side() % 3;
   const char* names = "xyz";
-  const auto map = [&](const FaceStudy& study) { return PackFloats(lattice.Added(study)); };
+  const auto map = [&](const FaceStudy& study) {
+    return Json{{"added_um", PackFloats(lattice.Added(study))},
+                {"level_um", kToMicrometres * study.expected.figures.added.level}};
+  };
   return {{"text", FaceText(face)},
           {"across", std::string(1, names[(axis + 1) % 3])},
           {"up", std::string(1, names[(axis + 2) % 3])},

@@ -154,6 +154,7 @@ std::vector<size_t> TurningPlaces(const std::vector<Real>& way, Real dead_zone) 
 }
 
 std::vector<Real> Lag(const std::vector<Real>& way, Real width, Real dead_zone) {
+  if (way.empty()) return {};
   const std::vector<size_t> swings = Swings(way, dead_zone);
   const bool down = swings.size() > 1 && way[swings[1]] < way[swings[0]];
   std::vector<Real> lag;

@@ -357,6 +357,9 @@ bool Mutant::MustPass() const {
   for (const char* word : {"$BASE", "$TOOL", "$P_UIFR", "G10", "set_tcp", "set_payload", "set_standard",
                            "SPINDLE_OFF(", "mp_wobj:=", "mp_tool:=", "LOCAL PERS"})
     if (before.starts_with(word)) return false;
+  // What must have one value is held to it also where it is stated again before any motion.
+  for (const char* word : {"VelSet", "AccSet"})
+    if (before.starts_with(word)) return false;
   // The check of the controller's frame is read as one text.
   for (const char* word : {"MP_", "LOOP", "HALT", "ENDLOOP", "ENDIF"})
     if (before.find(word) != std::string::npos) return false;

@@ -349,9 +349,10 @@ class Rapid : public Mover {
 
   /// "robtarget": axes that there are none of must be 9E9.
   void External(const std::vector<double>& eax) {
+    const double none = static_cast<double>(9e9F);
     for (size_t i = 0; i < 6; ++i) {
       const bool used = i < machine_.external.size();
-      if (used == (eax[i] >= 8.9e9)) throw Refusal{used ? "where an axis goes" : "no such axis"};
+      if (used == (eax[i] == none)) throw Refusal{used ? "where an axis goes" : "no such axis"};
       if (used) external_[machine_.external[i]] = eax[i];
     }
   }

@@ -251,7 +251,7 @@ class Calibrate(Row):
         self.job.write_text(changed(self.text, ("stepover_mm: 60", "stepover_mm: 16"), ("spacing_mm: 60", "spacing_mm: 16")))
         self.millpose("plan", self.job, "-o", self.top / "out", "--threads", 1)
         X_WP = json.loads((self.top / "out" / "summary.json").read_text())["cell"]["X_WP"]
-        read = lambda name: list(csv.DictReader((self.top / "out" / name).open()))
+        read = lambda name: list(csv.DictReader((self.top / "out" / name).read_text().splitlines()))
         points = read("points.csv")
         lines = ["x_mm,y_mm,z_mm,error_um"]
         for i, row in enumerate(row for row in read("deflection.csv") if row["side"] != "air"):
@@ -286,6 +286,36 @@ class Map(Row):
                 1500, 500, 800, "--steps", 2, 2, "--tool-axis", -1, 0, 0, "-o", self.top / "map")
 
 
+class Register(Row):
+    quick = 4
+
+    def prepare(self):
+        self.job = self.top / "job.yaml"
+        self.job.write_text(self.text)
+        # Balls of 3 mm radius on five faces of the block, which stands 0.5 mm higher than the job says.
+        rows = ["x_mm,y_mm,z_mm"]
+        for along in (-25, 0, 25):
+            for x, y, z in ((along, 10 + along / 5, 3), (43, along, -20), (-43, along, -12), (along, 43, -20), (along, -43, -12)):
+                rows.append(f"{2076 - z},{y},{1006 + x + 0.5}")
+        (self.top / "points.csv").write_text("\n".join(rows) + "\n")
+
+    def command(self):
+        return (MILLPOSE, "register", self.job, "--probe", self.top / "points.csv", "--sd-mm", 0.02, "--tool-radius-mm", 3,
+                "--propose", 0, "--threads", 1, "--write-job", self.job)
+
+
+class Face(Row):
+    quick = 3
+
+    def prepare(self):
+        (self.top / "job.yaml").write_text(self.text)
+        self.millpose("plan", self.top / "job.yaml", "-o", self.top / "out", "--threads", 1)
+        (self.top / "face.csv").write_text("older points")
+
+    def command(self):
+        return MILLPOSE, "face", self.top / "out", "--draws", 0, "--spacing-mm", 10, "--threads", 1, "--csv", self.top / "face.csv"
+
+
 class Reads(Row):
     """A command that writes no file: not one operation is counted."""
 
@@ -312,7 +342,7 @@ class Flatness(Row):
 
 # What every command of the program's table writes with; what it only reads with, where it writes nothing.
 WRITERS = {"plan": (Plan, PlanOfOperations, Share), "batch": (Batch, BatchOnSlurm), "place": (Place,), "init": (Init,),
-           "identify": (Identify,), "calibrate": (Calibrate,), "check": (Check,), "stiffness": (Map,)}
+           "identify": (Identify,), "calibrate": (Calibrate,), "register": (Register,), "face": (Face,), "check": (Check,), "stiffness": (Map,)}
 READERS = {"verify": reading("verify", "@out"), "inspect": reading("inspect", "@out"), "flatness": Flatness,
            "schema": without_folder("schema", "job"), "man": without_folder("man"), "completion": without_folder("completion")}
 

@@ -22,6 +22,7 @@
 #include <gp_Ax2.hxx>
 #include <gp_Pln.hxx>
 #include <gp_Trsf.hxx>
+#include <regex>
 
 #include "base/file.hpp"
 
@@ -79,13 +80,9 @@ std::string AssemblyStep() {
   Interface_Static::SetIVal("write.step.assembly", 1);
   std::string step = AsStep(whole, "MM");
   Interface_Static::SetIVal("write.step.assembly", 0);
-  // The writer numbers products; people name them.
-  const auto name = [&](const std::string& was, const std::string& is) {
-    for (size_t from = 0; (from = step.find("'" + was + "'", from)) != std::string::npos; from += is.size())
-      step.replace(from + 1, was.size(), is);
-  };
-  name("Open CASCADE STEP translator 7.6 1.1", "plate");
-  name("Open CASCADE STEP translator 7.6 1.2", "rib");
+  // The writer numbers products, the first ones of a process otherwise than later ones; people name them.
+  step = std::regex_replace(step, std::regex("'Open CASCADE STEP translator [0-9.]+ [0-9]+\\.1'"), "'plate'");
+  step = std::regex_replace(step, std::regex("'Open CASCADE STEP translator [0-9.]+ [0-9]+\\.2'"), "'rib'");
   return step;
 }
 

@@ -295,7 +295,7 @@ TEST(Fanuc, AxesBesideTheArmStandInEveryPosition) {
   EXPECT_NE(held.post->WhyNotIn(held.settings).find("position_register is missing"), std::string::npos);
   // An axis that the controller does not count in stays where it is along a cut.
   std::string moved = text;
-  const size_t pose = moved.find("E1 = 400.000", moved.find("E1 = 400.000", moved.find("CONFIG")) + 1);
+  const size_t way = moved.find("E1 = 400.000"), pose = moved.find("E1 = 400.000", moved.find("CONFIG", way));
   moved.replace(pose, 12, "E1 = 401.000");
   try {
     post.post->Read({{files.begin()->first, moved}}, plan.arm, post.settings);

@@ -28,7 +28,8 @@ class EachPost : public testing::TestWithParam<std::string> {
 };
 INSTANTIATE_TEST_SUITE_P(Controllers, EachPost,
                          testing::Values("krl", "sinumerik", "sinumerik_euler", "linuxcnc",
-                                         "linuxcnc_cartesian", "fanuc", "fanuc_held"),
+                                         "linuxcnc_cartesian", "fanuc", "fanuc_held", "fanuc_cnt",
+                                         "fanuc_cr"),
                          [](const auto& controller) { return controller.param; });
 
 TEST(Posts, RegistryNamesThem) {

@@ -209,6 +209,7 @@ PostSettings SampleSettings(const std::string& variant) {
   if (variant == "sinumerik_euler") settings.rotation = AngleOrder::kEuler;
   if (ControllerOf(variant) == "fanuc") {
     settings.axes = SampleFanucAxes();
+    if (variant == "fanuc_cnt" || variant == "fanuc_cr") settings.max_corner = 0.1;
     settings.texts = {{"spindle_on", "AO[1]={rpm}\nDO[1]=ON"}, {"spindle_off", "DO[1]=OFF"}};
   }
   return settings;
@@ -223,10 +224,13 @@ AxisConvention SampleFanucAxes() {
 
 std::unique_ptr<Post> SamplePost(const std::string& variant) {
   if (ControllerOf(variant) == "fanuc")
-    return std::make_unique<FanucPost>(FanucOptions{.user_frame = 1,
-                                                    .tool_frame = 2,
-                                                    .position_register = variant == "fanuc_held" ? 0 : 90,
-                                                    .world_height = SampleArm().d1});
+    return std::make_unique<FanucPost>(
+        FanucOptions{.user_frame = 1,
+                     .tool_frame = 2,
+                     .position_register = variant == "fanuc_held" ? 0 : 90,
+                     .world_height = SampleArm().d1,
+                     .corner_region = variant == "fanuc_cr",
+                     .acceleration_time = variant == "fanuc_cnt" ? std::optional(0.1) : std::nullopt});
   if (variant == "linuxcnc_cartesian")
     return std::make_unique<LinuxCncPost>(LinuxCncOptions{true, std::nullopt});
   return MakePost(ControllerOf(variant));

@@ -33,7 +33,7 @@ MotionOptions SampleFeeds();
 AxisConvention SampleFanucAxes();
 /// Settings as the kr500_r2830 cell gives them for a controller, or for a variant of it: krl,
 /// sinumerik, sinumerik_euler, linuxcnc, linuxcnc_cartesian, urscript, fanuc, fanuc_held (frames that the
-/// controller holds), rapid.
+/// controller holds), fanuc_cnt, fanuc_cr (corners that the cell bounds), rapid.
 PostSettings SampleSettings(const std::string& variant);
 std::unique_ptr<Post> SamplePost(const std::string& variant);
 /// The program as it is handed to the writer of a variant's controller: with the points that its way to turn

@@ -79,8 +79,8 @@ TEST(CheckHtml, DrawsFromTheSideWhatIsTheWrongWayRound) {
   CheckHtmlInput input = Input(cell, part, path);
   const auto picture = [&] {
     const std::string page = CheckHtml(input);
-    const size_t from = page.find("<svg");
-    return from == std::string::npos ? "" : page.substr(from, page.find("</svg>") - from);
+    const size_t figure = page.find("<figure id=\"wrong-side\""), from = page.find("<svg", figure);
+    return figure == std::string::npos ? "" : page.substr(from, page.find("</svg>", from) - from);
   };
   EXPECT_EQ(picture(), "");
   const Eigen::Vector3d base = cell.X_WB.translation();

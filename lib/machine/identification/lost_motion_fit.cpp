@@ -73,7 +73,9 @@ LostMotionEstimate Fit(const Arm& arm, const std::vector<const TwoWayReading*>& 
   const double freedoms = static_cast<double>(found.readings - found.poses - 1);
   const double half = StudentQuantile(freedoms) * std::sqrt(squares / freedoms / along);
   if (width + half < 0) {
-    found.reason = "the differences have the wrong sign: readings of the two ways may be exchanged";
+    found.reason =
+        "the differences have the wrong sign: readings of the two ways may be exchanged, or pushed "
+        "ones less than the arm itself gives";
     return found;
   }
   found.determined = true;

@@ -29,10 +29,10 @@ double AttainableFace(const Stations& stations, const PassResult& pass, const Fa
 
 /// A planned pass with each segment moved so that its largest displacement keeps to the limit and beneath
 /// it the marks of gears that go over are least: as planned, at a fixed rotation, or as the search with the
-/// gears' flanks as state finds it. Where nothing keeps to the limit the least displacement counts. No
-/// segment has a larger one, unless beneath the limit, than at the best fixed rotation that serves it, or
-/// than it had. What is taken keeps limits, joint steps and clearances as the pass does; the points stay. The
-/// same for any number of threads.
+/// gears' flanks as state finds it; where leans are free with the plan's leans or with the tool as it was
+/// laid. Where nothing keeps to the limit the least displacement counts. No segment has a larger one, unless
+/// beneath the limit, than at the best fixed rotation that serves it, or than it had. What is taken keeps
+/// limits, joint steps and clearances as the pass does; the points stay. The same for any number of threads.
 PlannedFace PlanFace(const Stations& stations, const PassResult& pass, const FacePlanOptions& options,
                      const Execution& execution);
 

@@ -77,7 +77,7 @@ double FaceSearch::Attainable() const {
     for (size_t t = 0; t < nodes.size(); ++t) path.push_back(NodeOf(coarse[t][nodes[t]]));
     if (!path.empty()) least = segment_.Figures(path).worst;
   }
-  return std::min(least, segment_.AsPlanned().figures.worst);
+  return least;
 }
 
 std::vector<std::vector<FlankNode>> FaceSearch::Coarse() const {
@@ -201,14 +201,16 @@ std::optional<FaceCandidate> FaceSearch::Searched() {
   return Smoothed(std::move(*best));
 }
 
-std::pair<FaceWay, FaceCandidate> FaceSearch::Best() {
-  std::pair best{FaceWay::kPlanned, segment_.AsPlanned()};
+bool FaceSearch::Improve(std::pair<FaceWay, FaceCandidate>& best) {
+  bool improved = false;
   const auto take = [&](FaceWay way, std::optional<FaceCandidate> candidate) {
-    if (candidate && Better(candidate->figures, best.second.figures)) best = {way, std::move(*candidate)};
+    if (!candidate || !Better(candidate->figures, best.second.figures)) return;
+    best = {way, std::move(*candidate)};
+    improved = true;
   };
   take(FaceWay::kSearched, Searched());
   take(FaceWay::kFixed, BestFixed(best.second.figures));
-  return best;
+  return improved;
 }
 
 }  // namespace millpose

@@ -11,11 +11,12 @@ class FaceSearch {
   FaceSearch(FaceSegment& segment, double limit)
       : segment_(segment), limit_(limit), layers_(segment.Layers()) {}
 
-  /// As AttainableFace() has it of a segment.
+  /// The largest displacement at the best fixed rotation, interference left aside, or where none serves as a
+  /// search finds it, mm.
   double Attainable() const;
 
-  /// As planned, or what is better and free.
-  std::pair<FaceWay, FaceCandidate> Best();
+  /// Puts in place of `best` what is better and free; true when something is.
+  bool Improve(std::pair<FaceWay, FaceCandidate>& best);
 
  private:
   /// A fixed rotation that serves but for interference.

@@ -6,6 +6,7 @@
 #include "base/text.hpp"
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"
+#include "program/fanuc/fanuc_corners.hpp"
 #include "program/fanuc/fanuc_file.hpp"
 #include "program/program_name.hpp"
 #include "program/scanner.hpp"
@@ -123,7 +124,7 @@ class FanucWriter : public ProgramWriter {
                                FanucTurns(options_, motion.least.value_or(FanucLeast(options_, {})))};
     const FanucSpeed speed = FanucSpeedOf(motion.feed);
     Add(fmt::format("L P[] {}{} {}", speed.number, speed.per_second ? "mm/sec" : "cm/min",
-                    motion.exact ? "FINE" : "CNT0"),
+                    FanucTermination(motion, options_)),
         std::move(position));
   }
 
@@ -222,7 +223,10 @@ std::map<std::string, std::string> FanucTexts(const PostSettings& settings) {
 ProgramFiles FanucPost::Write(const MotionProgram& program, const Arm& arm,
                               const PostSettings& settings) const {
   assert(IsWellFormed(program));
-  return FanucWriter(program, arm, settings, options_).Write();
+  if (program.blend_is_distance) return FanucWriter(program, arm, settings, options_).Write();
+  MotionProgram rounded = program;
+  Round(rounded, arm, settings);
+  return FanucWriter(rounded, arm, settings, options_).Write();
 }
 
 CallingSyntax FanucPost::Calling() const {

@@ -3,6 +3,7 @@
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"
 #include "program/fanuc/fanuc.hpp"
+#include "program/fanuc/fanuc_corners.hpp"
 
 namespace millpose {
 namespace {
@@ -30,14 +31,11 @@ std::vector<LineModel> FanucPost::Lines(const PostSettings& settings) const {
           [](const Pose& from, const Pose& to) { return ProgrammedLine(from, to); }};
 }
 
-// Speeds are whole numbers, never above the planned feed; corners are passed at CNT0, which leaves none.
-void FanucPost::Round(MotionProgram& program, const Arm&, const PostSettings&) const {
-  program.blend_is_distance = true;
-  for (Motion& motion : program.motions) {
-    if (motion.type != MotionType::kLinear) continue;
-    motion.feed = FanucSpeedOf(motion.feed).feed();
-    motion.blend = motion.angle_blend = 0;
-  }
+// Speeds are whole numbers, never above the planned feed.
+void FanucPost::Round(MotionProgram& program, const Arm&, const PostSettings& settings) const {
+  for (Motion& motion : program.motions)
+    if (motion.type == MotionType::kLinear) motion.feed = FanucSpeedOf(motion.feed).feed();
+  ChooseFanucCorners(program, options_, settings);
 }
 
 std::string FanucPost::WhyNotIn(const PostSettings& settings) const {
@@ -76,6 +74,8 @@ std::vector<std::string> FanucPost::Assumptions(const PostSettings& settings) co
           "CONFIG counts full turns of {} (the cell's turn_axes, $SCR_GRP[1].$TURN_AXIS); N is J5 < 0, U the "
           "elbow up, T the wrist in front of axis 1",
           TurnAxesText(options_))};
+  if (std::string corner = FanucCornerAssumption(options_, settings); !corner.empty())
+    assumed.push_back(std::move(corner));
   if (!settings.axis_couplings || settings.axis_couplings->empty())
     assumed.emplace_back(
         "J3 counts from the upper arm: it changes on the pendant when J2 alone is jogged in space");

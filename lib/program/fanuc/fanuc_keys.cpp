@@ -51,8 +51,33 @@ Codec<std::array<int, 3>> TurnAxes() {
   return codec;
 }
 
+const Unit kMillis{"ms", 1, 1000};
+
+std::vector<Field<S>> CornerKeys() {
+  return {Key<S>("corner_region", MILLPOSE_AT(corner_region), Flag(),
+                 "The controller has CRy (Advanced Constant Path); needs max_corner_mm.")
+              .WhenSet([](const S& s) { return s.corner_region; }),
+          Key<S>("acceleration_time_ms", MILLPOSE_AT(acceleration_time), Maybe(Real(kMillis, Positive(2000))),
+                 "Longest time of a whole ramp at CNTn, which bounds its corners; needs max_corner_mm. "
+                 "Without it no "
+                 "CNTn is written.")};
+}
+
 /// What no cell can leave open: whether J3 counts against the level differs between arms.
 void Check(const Value& value, const Context& context, PostSection<S>& section) {
+  const bool region = section.own.corner_region, cnt = section.own.acceleration_time.has_value();
+  if (region && cnt)
+    context.Child("corner_region")
+        .Add(value.FindKey("corner_region")->mark,
+             "given with acceleration_time_ms; allowed: one of the two");
+  if ((region || cnt) && !section.shared.max_corner)
+    context.Add(value.mark,
+                "max_corner_mm is missing: by how much a corner may leave its path; needed where "
+                "corner_region or acceleration_time_ms is given");
+  if (!region && !cnt && section.shared.max_corner)
+    context.Child("max_corner_mm")
+        .Add(value.FindKey("max_corner_mm")->mark,
+             "has no effect without corner_region or acceleration_time_ms: corners are passed at CNT0");
   if (!section.shared.axis_couplings)
     context.Add(value.mark,
                 "axis_couplings is missing: [{axis: 3, factors: [0, -1, 0, 0, 0, 0]}] where J3 on the "
@@ -69,6 +94,8 @@ PostEntry FanucEntry() {
                            "The axes whose full turns the numbers of CONFIG count: $SCR_GRP[1].$TURN_AXIS."));
   keys.emplace_back(Key<S>("joint_speed_percent", MILLPOSE_AT(joint_speed_percent), Integer(1, 100),
                            "Share of the axes' largest speed in motions between cuts."));
+  std::ranges::copy(CornerKeys(), std::back_inserter(keys));
+  keys.emplace_back(MaxCornerKey());
   keys.emplace_back(ExternalAxesKey({"E1", "E2", "E3", "GP2_J1", "GP2_J2", "GP2_J3"}, true));
   for (const SharedKey& key : {PathAccelerationKey(), CycleKey(FanucPost().UsualCycle()), BlockTimeKey(),
                                MaxMotionsKey(), MaxKbytesKey(), OutputsKey(false), TextsKey(), CallsKey()})

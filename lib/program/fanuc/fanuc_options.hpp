@@ -18,7 +18,10 @@ struct FanucOptions {
   std::optional<double> world_height =
       std::nullopt;                       ///< mm, of the controller's world above the robot's base; needed
   std::array<int, 3> turn_axes{4, 5, 6};  ///< whose full turns CONFIG's numbers count
-  int joint_speed_percent = 20;           ///< of the axes' largest speed, in J
+  /// The option of Advanced Constant Path is there: CRy.
+  bool corner_region = false;
+  std::optional<double> acceleration_time = std::nullopt;  ///< s: of a whole ramp at CNTn; empty: no CNTn
+  int joint_speed_percent = 20;                            ///< of the axes' largest speed, in J
 };
 
 /// The robot's base in the controller's world, whose origin is on axis 1 at the height of axis 2.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads LS programs as far as robot programs of millpose and the usual hand edits go.
+#include "base/text.hpp"
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"
 #include "program/fanuc/fanuc.hpp"
+#include "program/fanuc/fanuc_corners.hpp"
 #include "program/fanuc/fanuc_file.hpp"
 #include "program/fanuc/fanuc_words.hpp"
 #include "program/reader.hpp"
@@ -25,6 +27,7 @@ class FanucReader : public ProgramReader {
         positions_(positions),
         options_(options) {
     program_.blend_is_distance = true;
+    program_.corner_assumption = FanucCornerAssumption(options, settings);
     program_.swivel = settings.R_TC() * Eigen::Vector3d::UnitZ();
     program_.any_turn = true;
   }
@@ -285,6 +288,26 @@ class FanucReader : public ProgramReader {
     Stand(position, motion);
   }
 
+  /// FINE; or 0 of CNT0, 1 of a CNTn above, y of CRy, where the cell knows what bounds them.
+  std::pair<bool, double> ReadTermination(LineScanner& scan) const {
+    const size_t start = scan.Next();
+    const std::string how = scan.AcceptName().value_or("");
+    if (SameWords(how, "FINE")) return {true, 0};
+    if (SameWords(how, "CNT0")) return {false, 0};
+    const bool known = !program_.corner_assumption.empty();
+    const bool cnt = known && options_.acceleration_time && SameWords(how.substr(0, 3), "CNT"),
+               region = known && options_.corner_region && SameWords(how.substr(0, 2), "CR");
+    if (!cnt && !region)
+      scan.FailFrom(start, fmt::format("FINE{} or CNT0 expected: the path of other corners is not documented",
+                                       !known                       ? ""
+                                       : options_.acceleration_time ? ", CNT1 to CNT100"
+                                                                    : ", CR1 to CR1000"));
+    const std::optional<double> number = ParseNumber(how.substr(cnt ? 3 : 2));
+    if (!number || *number < 1 || *number > (cnt ? 100 : 1000) || *number != std::floor(*number))
+      scan.FailFrom(start, cnt ? "CNT0 to CNT100 expected" : "CR1 to CR1000 expected");
+    return {false, cnt ? 1 : *number};
+  }
+
   void ReadLinear(LineScanner& scan) {
     const size_t start = scan.Next();
     int number = 0;
@@ -293,11 +316,7 @@ class FanucReader : public ProgramReader {
       scan.FailFrom(start, fmt::format("X, Y, Z, W, P, R expected: P[{}] at line {} has joint angles", number,
                                        position.line));
     const double feed = fanuc::ReadFeed(scan);
-    const size_t termination = scan.Next();
-    const std::string how = scan.AcceptName().value_or("");
-    const bool exact = SameWords(how, "FINE");
-    if (!exact && !SameWords(how, "CNT0"))
-      scan.FailFrom(termination, "FINE or CNT0 expected: the path of other corners is not documented");
+    const auto [exact, blend] = ReadTermination(scan);
     const ExternalPosition before = external_;
     if (InHead() && !external_.empty())
       scan.FailFrom(start,
@@ -305,6 +324,7 @@ class FanucReader : public ProgramReader {
     posed_ = true;
     Motion& motion = AddMotion(MotionType::kLinear);
     motion.exact = exact;
+    motion.blend = blend;
     motion.feed = feed;
     motion.status = position.config.status;
     motion.least = FanucLeast(options_, position.config.turns);
@@ -345,6 +365,7 @@ MotionProgram FanucPost::Read(const ProgramFiles& files, const Arm&, const PostS
   }
   try {
     MotionProgram program = FanucReader(statements, positions, settings, options_).Read({".ls"});
+    SettleFanucCorners(program, options_);
     if (problems.empty()) return program;
   } catch (const InputError& error) {
     problems.insert(problems.end(), error.problems().begin(), error.problems().end());

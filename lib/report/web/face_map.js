@@ -37,12 +37,14 @@
       section.remove();
       return;
     }
-    const plan = m.unpack.floats(face.plan), fixed = face.fixed && m.unpack.floats(face.fixed);
-    const scale = ends(fixed ? [plan, fixed] : [plan]);
-    const figure = (map, name) => m.element("figure", {}, paint(face, map, scale), m.element("figcaption", {}, name));
-    section.querySelector(".maps").append(figure(plan, "plan"), ...(fixed ? [figure(fixed, `fixed rotation of ${m.format(face.fixed_deg)}°`)] : []));
+    const shown = [{ name: "plan", of: face.plan }];
+    if (face.fixed) shown.push({ name: `fixed rotation of ${m.format(face.fixed_deg)}°`, of: face.fixed });
+    for (const one of shown) one.map = m.unpack.floats(one.of.added_um);
+    const scale = ends(shown.map((one) => one.map));
+    section.querySelector(".maps").append(...shown.map((one) =>
+      m.element("figure", {}, paint(face, one.map, scale), m.element("figcaption", {}, `${one.name}, mean ${m.format(one.of.level_um)} µm`))));
     section.querySelector("p").textContent =
-      `What the tool's errors add along the normal, ${m.format(scale.low)} µm (dark) to ${m.format(scale.high)} µm (bright: material left); ` +
+      `What the tool's errors add along the normal, less its mean, ${m.format(scale.low)} µm (dark) to ${m.format(scale.high)} µm (bright: material left); ` +
       `${face.across} to the right, ${face.up} upwards in the part's frame, a place every ${m.format(face.spacing_mm)} mm.`;
     section.querySelector("pre").textContent = face.text;
   };

@@ -47,7 +47,7 @@ TEST(Couplings, AreWrittenAsTheyWereGiven) {
                                      std::string("axis_couplings: [{axis: 2, factors: [0.5, 0, 0, 0, 0, 0]}, "
                                                  "{axis: 6, factors: [0, 0, 0, 0, -0.1, 0]}]")}) {
     const std::string written = WriteCell(With(section));
-    EXPECT_NE(written.find("axis_couplings: ["), std::string::npos) << written;
+    EXPECT_NE(written.find("axis_couplings:"), std::string::npos) << written;
     const CellSettings again = ParseCell(written, "written");
     EXPECT_EQ(WriteCell(again), written);
     EXPECT_EQ(again.controllers.at("linuxcnc").shared.Axes().matrix(),
@@ -77,7 +77,7 @@ TEST(Couplings, SlipsAreNamedWithTheirPlace) {
   expect("[{axis: 3, factors: [0, 0, 0, 0, 0, 0]}]", "50",
          "[0].factors: given 0 six times, which has no effect");
   expect("[{axis: 3}]", "31", "[0].factors: missing");
-  expect("[{axis: 3, factors: [0, 1, 0, 0, 0, 0]}, {axis: 3, factors: [1, 0, 0, 0, 0, 0]}]", "79",
+  expect("[{axis: 3, factors: [0, 1, 0, 0, 0, 0]}, {axis: 3, factors: [1, 0, 0, 0, 0, 0]}]", "78",
          "[1].axis: given 3 twice; allowed: once");
   expect("[{axis: 2, factors: [0, 0, 1, 0, 0, 0]}, {axis: 3, factors: [0, 1, 0, 0, 0, 0]}]", "30",
          ": given couplings that cannot be undone");

@@ -180,7 +180,7 @@ TEST(RoundTrip, ARegisteredPlaceSurvives) {
     }
   };
   EXPECT_NE(refusal("{xyz_mm: [2076, 0, 1006], abc_deg: [0, -90, 0]}", numbers)
-                .find("job:12:3: workpiece.registered: is of another pose than workpiece.pose"),
+                .find("job:13:3: workpiece.registered: is of another pose than workpiece.pose"),
             std::string::npos);
   std::string wrong = numbers;
   wrong.replace(wrong.find("0.0012"), 6, "0.02");

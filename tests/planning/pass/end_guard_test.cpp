@@ -18,7 +18,10 @@ Cell CellAbove(const PoseProblem& problem, const std::vector<Joints>& poses) {
   for (const Joints& q : poses) {
     Checker checker{World(EmptyCell(problem))};
     const Retract retract = FindRetract(checker, carrier, q, {problem.arm.lower, problem.arm.upper}, {});
-    Body ball{.name = "ball", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{15}};
+    Body ball{.name = fmt::format("ball{}", cell.bodies.size()),
+              .body_class = BodyClass::kFixture,
+              .mount = Mount::kWorld,
+              .shape = Sphere{15}};
     ball.X_MG.translation() =
         (problem.X_WB * LinkFrames(problem.arm, retract.joints.back())[5]).translation();
     cell.bodies.push_back(ball);

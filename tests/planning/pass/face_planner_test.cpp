@@ -5,6 +5,7 @@
 
 #include "machine/robot/angles.hpp"
 #include "tests/planning/pass/pass_problem.hpp"
+#include "tests/planning/pose/lean_problems.hpp"
 
 namespace millpose {
 namespace {
@@ -90,6 +91,33 @@ TEST(PlanFace, IsNeverWorseThanAnyFixedRotation) {
     EXPECT_LT(is.worst, was.worst) << z;
     EXPECT_LE(is.worst, LeastOfFixed(stations, pass, options) + 1e-12) << z;
     ExpectOnItsPoints(problem, after);
+  }
+}
+
+TEST(PlanFace, LeansNeverRaiseIt) {
+  PoseProblem problem = LeaningProblem();
+  problem.objective = MakeObjective("face_error", {});
+  const PoseProblem upright = AtOwnAxis(problem);
+  const World world(EmptyCell(problem));
+  FacePlanOptions options = FacesOptions();
+  const Pass pass = Forced(Row(-150, 150, 16));
+  const PassResult plan = Planned(problem, world, pass);
+  EXPECT_FALSE(IsNominalLean(problem, plan.points[8].freedoms));
+  const PassResult after = PlanFace(Stations(world, problem), plan, options, {.threads = 2}).pass;
+  const PassResult without =
+      PlanFace(Stations(world, upright), Planned(upright, world, pass), options, {.threads = 2}).pass;
+  const auto worst = [&](const PoseProblem& of, const PassResult& result) {
+    return FacesOf(Stations(world, of), options.gears, result).front().worst;
+  };
+  EXPECT_LE(worst(problem, after), worst(problem, plan));
+  EXPECT_LE(worst(problem, after), 1.05 * worst(upright, without));  // what the search may give up
+  for (const PlannedPoint& point : after.points) {
+    ASSERT_EQ(point.freedoms.size(), 3u);
+    const MillingPoint laid = AtNominalLean(problem, point.point);
+    EXPECT_LT((AtLean(problem, laid, point.freedoms).position - point.point.position).norm(), 1e-9);
+    const Pose X_WT = problem.X_WB * ForwardFlange(problem.arm, point.q) * problem.X_FT;
+    EXPECT_LT((X_WT.translation() - point.point.position).norm(), 1e-8);
+    EXPECT_LT((X_WT.linear().col(2) - point.point.tool_axis).norm(), 1e-9);
   }
 }
 

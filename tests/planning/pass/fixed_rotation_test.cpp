@@ -172,10 +172,16 @@ TEST(FixedRotation, CountsTheJointsThatTurnBack) {
   PoseProblem problem = MakeProblem(Kr500R2830());
   problem.objective = MakeObjective("surface_error", {});
   const World world(EmptyCell(problem));
-  const std::vector<PassResult> planned = Plan(problem, world, Rows(), true);
+  std::vector<Pass> rows = Rows();
+  for (Pass& row : rows)  // there and back: joints must turn
+    for (size_t t = row.points.size() - 1; t-- > 0;) {
+      const double step = row.points[1].arc_length - row.points[0].arc_length;
+      row.points.push_back(row.points[t]);
+      row.points.back().arc_length = (row.points.end() - 2)->arc_length + step;
+    }
+  const std::vector<PassResult> planned = Plan(problem, world, rows, true);
   FixedRotationOptions options = FixedOptions(true);
   options.gears.lost.width.head<6>().setConstant(DegToRad(0.005));
-  options.gears.lost.dead_zone.setConstant(1e-6);
   std::fill_n(options.gears.known.begin(), 6, true);
   const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, options);
   GearTally plan, fixed;
@@ -199,7 +205,8 @@ TEST(FixedRotation, CountsTheJointsThatTurnBack) {
     count(as_planned, plan);
     count(with_fixed, fixed);
   }
-  EXPECT_GT(plan.Turns() + fixed.Turns(), 0);
+  EXPECT_GT(plan.Turns(), 0);
+  EXPECT_GT(fixed.Turns(), 0);
   EXPECT_EQ(found.plan_gears.turns, plan.turns);
   EXPECT_DOUBLE_EQ(found.plan_gears.worst, plan.worst);
   EXPECT_EQ(found.passes.gears.turns, fixed.turns);

@@ -18,6 +18,7 @@ class FanucReplay : public testing::TestWithParam<std::string> {
   VerifyOptions options = SampleOptions(sample.plan);
 
   void SetUp() override {
+    options.max_corner = sample.settings.max_corner.value_or(0);
     sample.files = sample.post->Write(Prepared(sample.program, GetParam(), sample.settings, sample.plan.arm),
                                       sample.plan.arm, sample.settings);
     sample.lines.clear();
@@ -38,7 +39,7 @@ class FanucReplay : public testing::TestWithParam<std::string> {
     line.replace(line.find(from), from.size(), to);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Frames, FanucReplay, testing::Values("fanuc", "fanuc_held"),
+INSTANTIATE_TEST_SUITE_P(Frames, FanucReplay, testing::Values("fanuc", "fanuc_held", "fanuc_cnt", "fanuc_cr"),
                          [](const auto& variant) { return variant.param; });
 
 TEST_P(FanucReplay, IsConfirmedAsWritten) {
@@ -75,13 +76,13 @@ TEST_P(FanucReplay, WhatMattersIsFound) {
   struct TextChange {
     std::string from, to, said;
   };
-  for (const TextChange& edit : std::vector<TextChange>{{"8cm/min", "9cm/min", "feed"},
-                                                        {"8cm/min", "3cm/min", "feed"},
+  for (const TextChange& edit : std::vector<TextChange>{{"8cm/min", "9cm/min", "mm/min"},
+                                                        {"8cm/min", "3cm/min", "mm/min"},
                                                         {"CNT0", "FINE", "stop"},
                                                         {"DO[1]=OFF", "DO[2]=OFF", ""},
                                                         {"    X = ", "    X = 1", ""}}) {
     const std::vector<std::string> lines = sample.lines;
-    Replace(edit.from, edit.to, 1);
+    Replace(edit.from, edit.to, edit.from.starts_with("DO") ? 0 : 1);
     try {
       const std::vector<Finding> findings = Findings();
       ASSERT_FALSE(findings.empty()) << edit.to;
@@ -90,6 +91,51 @@ TEST_P(FanucReplay, WhatMattersIsFound) {
     }
     sample.lines = lines;
   }
+}
+
+/// How often a motion of `text` ends with a word that begins so.
+size_t CountOf(const std::string& text, const std::string& word) {
+  size_t count = 0;
+  for (size_t at = text.find(" " + word); at != std::string::npos; at = text.find(" " + word, at + 1))
+    ++count;
+  return count;
+}
+
+TEST(FanucCorners, AreConfirmedWithinTheBoundThatTheCellAllows) {
+  for (const std::string variant : {"fanuc_cnt", "fanuc_cr"}) {
+    const PlanResult plan = SamplePlan({.points = 40});
+    const ProgramLines sample(variant, plan);
+    const std::string& text = sample.files.begin()->second;
+    EXPECT_GT(CountOf(text, variant == "fanuc_cnt" ? "CNT100" : "CR"), 30u) << variant;
+    const World world{SampleCell(plan)};
+    VerifyOptions options = SampleOptions(plan);
+    options.max_corner = *sample.settings.max_corner;
+    const MotionProgram read = sample.Read();
+    EXPECT_FALSE(read.corner_assumption.empty());
+    const std::vector<Finding> findings = Verify(read, world, &sample.program, options, {.threads = 1});
+    EXPECT_TRUE(findings.empty()) << variant << ": " << findings[0].line << ": " << findings[0].message;
+    // What reaches farther is found where the path bends.
+    MotionProgram wider = read;
+    for (Motion& motion : wider.motions) motion.blend *= 50;
+    const std::vector<Finding> wide = Verify(wider, world, &sample.program, options, {.threads = 1});
+    ASSERT_FALSE(wide.empty()) << variant;
+    EXPECT_EQ(wide[0].cause, Cause::kCorner) << wide[0].message;
+  }
+}
+
+TEST(FanucCorners, WithoutWhatBoundsThemAreRefused) {
+  const auto refused = [](const std::string& variant, const std::string& from, const std::string& to) {
+    ProgramLines sample(variant, SamplePlan({.points = 40}));
+    std::string& line = sample.lines[sample.Find(from)];
+    line.replace(line.find(from), from.size(), to);
+    return !sample.Problems().empty();
+  };
+  EXPECT_TRUE(refused("fanuc", "CNT0", "CNT100"));
+  EXPECT_TRUE(refused("fanuc", "CNT0", "CR1"));
+  EXPECT_TRUE(refused("fanuc_cr", "min CR", "min CNT"));
+  EXPECT_TRUE(refused("fanuc_cnt", "CNT100", "CR1"));
+  EXPECT_TRUE(refused("fanuc_cnt", "CNT100", "CNT101"));
+  EXPECT_FALSE(refused("fanuc_cnt", "CNT100", "CNT50"));
 }
 
 }  // namespace

@@ -24,12 +24,37 @@ void NameInputs(const std::string& hash, MotionProgram& program) {
     if (key == "inputs") value = hash;
 }
 
+namespace {
+
+/// The places of the characters of `word` from `at` on, where it stands there: in one piece, or broken where
+/// a remark ends (LS: " ;\n  12:  !:"); empty where it does not.
+std::vector<size_t> PlacesOf(const std::string& word, const std::string& text, size_t at) {
+  constexpr size_t kLongestBreak = 16;
+  std::vector<size_t> places;
+  for (const char c : word) {
+    if (text[at] != c && text.compare(at, 3, " ;\n") == 0) {
+      const size_t next = text.find("!:", at);
+      if (next == std::string::npos || next - at > kLongestBreak) return {};
+      at = next + 2;
+    }
+    if (at >= text.size() || text[at] != c) return {};
+    places.push_back(at++);
+  }
+  return places;
+}
+
+}  // namespace
+
 void NameInputs(const std::string& earlier, const std::string& hash, ProgramFiles& files) {
   assert(earlier.size() == hash.size());
-  const std::string line = "inputs: " + earlier;
+  const std::string key = "inputs:", begin = earlier.substr(0, 8);
   for (auto& [name, text] : files)
-    for (size_t at = text.find(line); at != std::string::npos; at = text.find(line, at + line.size()))
-      text.replace(at + line.size() - earlier.size(), earlier.size(), hash);
+    for (size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + key.size())) {
+      const size_t first = text.find(begin, at);
+      if (first == std::string::npos || first - at > 32) continue;
+      const std::vector<size_t> places = PlacesOf(earlier, text, first);
+      for (size_t i = 0; i < places.size(); ++i) text[places[i]] = hash[i];
+    }
 }
 
 std::optional<CornerBound> StateCornerBound(const Cell& cell, MotionProgram& program) {
