@@ -310,7 +310,8 @@ class Register(Row):
         # Balls of 3 mm radius on five faces of the block, which stands 0.5 mm higher than the job says.
         rows = ["x_mm,y_mm,z_mm"]
         for along in (-25, 0, 25):
-            for x, y, z in ((along, 10 + along / 5, 3), (43, along, -20), (-43, along, -12), (along, 43, -20), (along, -43, -12)):
+            low = -18 + 0.3 * abs(along)  # no three of a face in a line
+            for x, y, z in ((along, low, 3), (43, along, low), (-43, along, low), (along, 43, low), (along, -43, low)):
                 rows.append(f"{2076 - z},{y},{1006 + x + 0.5}")
         (self.top / "points.csv").write_text("\n".join(rows) + "\n")
 
