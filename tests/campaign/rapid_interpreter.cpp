@@ -382,7 +382,7 @@ class Rapid : public Mover {
       else if (value != usual.at(name))
         step.words += name + value + " ";
     }
-    for (const double value : stated) step.aside += fmt::format("{:.6g} ", value);
+    for (const double value : stated) step.aside += fmt::format("{:.9g} ", value);
     // The load of the tool is the controller's model of weights.
     for (const double value : how.tool.numbers) step.aside += fmt::format("{:.6g} ", value);
   }
@@ -397,7 +397,7 @@ class Rapid : public Mover {
     Step& step = WayTo(q);
     step.way_speed = how.speed.numbers[0] / 5000;
     step.exact = last_exact_ = how.zone.fine;
-    Describe(step, how, {how.speed.numbers[1]});
+    Describe(step, how, {how.speed.numbers[1], how.speed.numbers[2], how.speed.numbers[3]});
   }
 
   void MoveL(RapidArguments& in) {

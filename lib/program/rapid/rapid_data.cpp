@@ -201,6 +201,7 @@ double ReadZone(LineScanner& scan) {
   }
   scan.Expect("]");
   if (!(zone[0] > 0)) scan.FailFrom(start, "a zone above 0 expected; a stop is fine");
+  if (zone[1] < 0 || zone[2] < 0) scan.FailFrom(start, "pzone_ori and pzone_eax of 0 or more expected");
   if (zone[1] > zone[0] || zone[2] > zone[0])
     scan.FailFrom(start,
                   "pzone_ori and pzone_eax no larger than pzone_tcp expected: of larger ones nobody says "

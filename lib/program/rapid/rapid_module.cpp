@@ -49,8 +49,8 @@ std::string_view RapidModuleReader::WithoutComment(std::string_view line) const 
 void RapidModuleReader::ReadComment(std::string_view comment) {
   LineScanner scan(comment, "", 0);
   const bool begin = scan.Accept("PASS");
-  if (part_ != Part::kRoutine || (!begin && !scan.Accept("END OF PASS")))
-    return ProgramReader::ReadComment(comment);
+  if (!begin && !scan.Accept("END OF PASS")) return ProgramReader::ReadComment(comment);
+  if (part_ != Part::kRoutine) scan.Fail("marks of passes are allowed in the program's procedure alone");
   ReadPassMark(scan, begin);
 }
 
