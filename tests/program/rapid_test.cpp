@@ -211,6 +211,13 @@ TEST(RapidStationsTest, RailAndTableComeBack) {
       }
 }
 
+TEST_F(RapidProgram, MarksOfPassesStandInItsProcedureAlone) {
+  const std::string message = "marks of passes are allowed in the program's procedure alone";
+  EXPECT_NE(Refusal("PROC Sample_wall_plan()", "! PASS 1 PIECE 0\nPROC Sample_wall_plan()").find(message),
+            std::string::npos);
+  EXPECT_NE(Refusal("PROC main()", "PROC main()\n! END OF PASS 1 PIECE 0").find(message), std::string::npos);
+}
+
 TEST(RapidLoading, ModulesComeOneAfterTheOther) {
   const PlanResult plan = SamplePlan();
   PostSettings settings = SampleSettings("rapid");

@@ -47,7 +47,7 @@ std::string_view RapidModuleReader::WithoutComment(std::string_view line) const 
 }
 
 void RapidModuleReader::ReadComment(std::string_view comment) {
-  LineScanner scan(comment, "", 0);
+  LineScanner scan = ScannerOf(comment);
   const bool begin = scan.Accept("PASS");
   if (!begin && !scan.Accept("END OF PASS")) return ProgramReader::ReadComment(comment);
   if (part_ != Part::kRoutine) scan.Fail("marks of passes are allowed in the program's procedure alone");
