@@ -24,7 +24,7 @@ double LargestLeverSum(const LostMotionReport& lost) {
 }
 
 std::string Between(double low, double high, double levers) {
-  return fmt::format("{:.2g} to {:.2g} µm", kMicrometresInMm * low * levers,
+  return fmt::format("{:.0f} to {:.0f} µm", kMicrometresInMm * low * levers,
                      kMicrometresInMm * high * levers);
 }
 

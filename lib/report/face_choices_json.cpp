@@ -73,7 +73,7 @@ std::string FaceChoicesText(const std::vector<FaceChoice>& faces) {
   const WholeFace before = WholeOf(faces, &FaceChoice::before), after = WholeOf(faces, &FaceChoice::after);
   return fmt::format(
       "force and lost motion displace by at most {:.3g} µm along the normal ({:.3g} µm by the points' own "
-      "objective), marks {:.3g} µm summed ({:.3g} µm); pieces: {} searched, {} at a fixed rotation, {} as "
+      "objective), marks {:.0f} µm summed ({:.0f} µm); pieces: {} searched, {} at a fixed rotation, {} as "
       "planned",
       kMicrometresOf * after.worst, kMicrometresOf * before.worst, kMicrometresOf * after.marks,
       kMicrometresOf * before.marks, CountOf(faces, FaceWay::kSearched), CountOf(faces, FaceWay::kFixed),

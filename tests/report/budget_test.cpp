@@ -95,7 +95,7 @@ TEST(Budget, WhatNothingStatesIsLeftOutAndToldByWhatIsPublished) {
   double levers = 0;
   for (const auto& one : lost.course.lever_sums) levers = std::max(levers, one.value());
   const std::string range =
-      fmt::format("{:.2g} to {:.2g} µm here", 150 * kArcmin * levers, 300 * kArcmin * levers);
+      fmt::format("{:.0f} to {:.0f} µm here", 150 * kArcmin * levers, 300 * kArcmin * levers);
   EXPECT_NE(RowOf(budget, "lost_motion").basis.find(range), std::string::npos)
       << RowOf(budget, "lost_motion").basis << " / " << range;
 }
