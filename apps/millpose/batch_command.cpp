@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include "run/batch/batch.hpp"
 #include "commands.hpp"
+#include "run/batch/batch.hpp"
 
 namespace millpose {
 

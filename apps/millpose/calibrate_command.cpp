@@ -5,9 +5,9 @@
 
 #include "base/error.hpp"
 #include "base/loose_file.hpp"
-#include "commands.hpp"
-#include "run/pipeline/commands/calibrate_part.hpp"
 #include "base/yaml/edit.hpp"
+#include "commands.hpp"
+#include "run/pipeline/commands/map_part.hpp"
 
 namespace millpose {
 namespace {
@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kMicrometres = 1000;
 
 struct CalibrateOptions {
-  std::filesystem::path measured, plan, job, write_job;
+  std::filesystem::path measured, plan, job, write_job, map, second;
   bool json = false;
 };
 
@@ -80,9 +80,85 @@ std::string FactorsText(const ForceFactors& factors) {
   return fmt::format("{{up: {:.3f}, down: {:.3f}, slot: {:.3f}}}", factors.up, factors.down, factors.slot);
 }
 
+Json ToJson(const MappedPart& part) {
+  const FittedErrors& f = part.fitted;
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? Json(kMicrometres * *value) : Json(nullptr);
+  };
+  Json repeats = nullptr;
+  if (part.repeats)
+    repeats = {{"share", part.repeats->share},
+               {"lower_95", part.repeats->low},
+               {"upper_95", part.repeats->high},
+               {"left_um", kMicrometres * part.repeats->left}};
+  return {{"schema_version", 1},
+          {"readings", f.readings},
+          {"places", f.places},
+          {"farthest_from_a_point_mm", part.farthest},
+          {"size_um", kMicrometres * f.size},
+          {"explained_share", f.explained},
+          {"left_um", kMicrometres * f.left},
+          {"length_mm", f.field.shape().length},
+          {"follows_feed", f.field.shape().by_feed > 0},
+          {"noise_um", kMicrometres * f.field.noise()},
+          {"repeatability_um", or_null(f.repeatability)},
+          {"significant", f.significant},
+          {"second_part", repeats},
+          {"taken_share", part.share},
+          {"largest_map_um", kMicrometres * part.largest},
+          {"largest_deviation_um", kMicrometres * part.largest_sd},
+          {"corrected_before", part.corrected_before},
+          {"usable", part.usable},
+          {"verdict", part.verdict}};
+}
+
+void Print(const MappedPart& part) {
+  const FittedErrors& f = part.fitted;
+  fmt::print("readings       {:>8}   of {} places, at most {:.2f} mm from a cut point\n", f.readings,
+             f.places, part.farthest);
+  fmt::print("size           {:>8.2f} µm, RMS\n", kMicrometres * f.size);
+  fmt::print("smooth part    {:>8.1f} % of the readings' squares, foretold by neighbours over {:.0f} mm{}\n",
+             100 * f.explained, f.field.shape().length,
+             f.field.shape().by_feed > 0 ? " that were milled in the same direction" : "");
+  fmt::print("left           {:>8.2f} µm, RMS of places left out; noise of a reading {:.2f} µm\n",
+             kMicrometres * f.left, kMicrometres * f.field.noise());
+  if (f.repeatability)
+    fmt::print("repeatability  {:>8.2f} µm, standard deviation at places read twice\n",
+               kMicrometres * *f.repeatability);
+  if (part.repeats)
+    fmt::print("second part    {:>8.2f} of the first's comes back   95 %: {:.2f} to {:.2f}\n",
+               part.repeats->share, part.repeats->low, part.repeats->high);
+  if (part.usable)
+    fmt::print("map            {:>8.2f} µm taken out at most{}, known to {:.2f} µm (standard deviation)\n",
+               kMicrometres * part.largest, part.corrected_before ? ", with what a former map took" : "",
+               kMicrometres * part.largest_sd);
+  fmt::print("\n{}\n", part.verdict);
+}
+
+int WriteMap(const CalibrateOptions& options, const CalibrateArguments& arguments) {
+  if (!options.write_job.empty())
+    throw InputError(
+        {}, "--write-job and --map: the same readings give factors of the force or a map, never both");
+  std::optional<std::filesystem::path> second;
+  if (!options.second.empty()) second = options.second;
+  const MappedPart part = MapPart(arguments, second);
+  if (options.json)
+    fmt::print("{}\n", ToJson(part).dump(2));
+  else
+    Print(part);
+  if (!part.usable) return kFindings;
+  WriteLooseFile(options.map, part.csv);
+  fmt::print(stderr,
+             "millpose: {} written; for the next plan: compensation: {{map_csv: {}, max_mm: {:.2f}}}\n",
+             options.map.string(), options.map.filename().string(), std::ceil(100 * part.largest + 1) / 100);
+  return kDone;
+}
+
 int Calibrate(const CalibrateOptions& options) {
   CalibrateArguments arguments{options.measured, options.plan, std::nullopt, {}};
   if (!options.job.empty()) arguments.job = options.job;
+  if (!options.map.empty()) return WriteMap(options, arguments);
+  if (!options.second.empty()) throw InputError({}, "--second has no effect here: it goes with --map");
   const CalibratedPart part = CalibratePart(arguments);
   if (options.json)
     fmt::print("{}\n", ToJson(part).dump(2));
@@ -114,7 +190,9 @@ void AddCalibrateCommand(CLI::App& app, Run& run) {
       "calibrate",
       "A milled part's measured face against the deflection that was predicted for it: scale, factors of the "
       "cutting force, and whether the model explains the part (docs/compensation.md).\n"
-      "Exit status 1: it does not.");
+      "With --map: the smooth part of the error as a map for the next part, milled in the same poses "
+      "(docs/error-map.md).\n"
+      "Exit status 1: it does not; nothing that a map could correct.");
   static CalibrateOptions options;
   command
       ->add_option(
@@ -127,6 +205,12 @@ void AddCalibrateCommand(CLI::App& app, Run& run) {
   command->add_option("--job", options.job, "Its job file, if that is not next to the folder");
   command->add_option("--write-job", options.write_job,
                       "Put the factors into this job file, keeping its comments");
+  command->add_option("--map", options.map,
+                      "CSV to write: what compensation.map_csv of the next plan takes out");
+  command->add_option(
+      "--second", options.second,
+      "With --map: the same of another part of the same programs; what does not come back on it "
+      "is not taken out");
   command->add_flag("--json", options.json, "Results as JSON on stdout");
   command->callback([&run] { run = [](Session&) { return Calibrate(options); }; });
 }

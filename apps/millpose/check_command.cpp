@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "base/error.hpp"
 #include "commands.hpp"
 #include "run/pipeline/operations/check_job.hpp"
 
@@ -15,6 +17,7 @@ struct CheckOptions {
   double max_points = 2e6;
   bool json = false;
   std::string view;
+  std::filesystem::path split;
   RootOption root;
 };
 
@@ -45,10 +48,18 @@ int Check(const CheckOptions& options, Session& session) {
   const ViewFile view = options.view.empty() ? ViewFile() : ViewFile(options.view);
   if (extension == ".yaml" || extension == ".yml") {
     if (IsCellFile(options.file, root)) return Tell(CheckCell({options.file, root, view}), options.json);
-    return TellJob(CheckOperations(options.file, {options.threads, options.max_points, view}, root,
-                                   session.progress, session.stop),
+    std::filesystem::path job = options.file;
+    if (!options.split.empty()) {
+      const std::vector<std::string> names = WriteSplitJob(job, options.split, root);
+      job = options.split;
+      if (!options.json) fmt::print("wrote               {}: {}\n", job.string(), fmt::join(names, ", "));
+    }
+    return TellJob(CheckOperations(job, {options.threads, options.max_points, view}, root, session.progress,
+                                   session.stop),
                    options);
   }
+  if (!options.split.empty())
+    throw InputError(SourceLocation{}, "--split: needs a job (.yaml) that names a CAM file");
   return Tell(CheckMesh({options.file, MillimetresOf(options.unit), options.weld_tolerance,
                          options.chord_tolerance, root, view},
                         session.progress, session.stop),
@@ -80,6 +91,10 @@ void AddCheckCommand(CLI::App& app, Run& run) {
   command->add_option("--view", options->view,
                       "Write what was checked as a page (HTML) to this file: cell, part, faces and edges to "
                       "click, tool path, reach; of several operations one each, FILE_01_NAME.html and so on");
+  command->add_option(
+      "--split", options->split,
+      "Of a job that names a CAM file for several tools or speeds: write it with an operation "
+      "for each, in the file's order, to this file beside it, and check that");
   command->add_flag("--json", options->json, "Results as JSON on stdout");
   command->add_option("--max-points", options->max_points, "Points that the tool path of a job may have")
       ->check(CLI::Range(1.0, 1e9))

@@ -42,6 +42,7 @@ void AddBatchCommand(CLI::App& app, Run& run);
 void AddCalibrateCommand(CLI::App& app, Run& run);
 void AddCheckCommand(CLI::App& app, Run& run);
 void AddCompletionCommand(CLI::App& app, Run& run);
+void AddFaceCommand(CLI::App& app, Run& run);
 void AddFlatnessCommand(CLI::App& app, Run& run);
 void AddIdentifyCommand(CLI::App& app, Run& run);
 void AddInitCommand(CLI::App& app, Run& run);
@@ -49,14 +50,16 @@ void AddInspectCommand(CLI::App& app, Run& run);
 void AddManCommand(CLI::App& app, Run& run);
 void AddPlaceCommand(CLI::App& app, Run& run);
 void AddPlanCommand(CLI::App& app, Run& run);
+void AddRegisterCommand(CLI::App& app, Run& run);
 void AddSchemaCommand(CLI::App& app, Run& run);
 void AddStiffnessCommand(CLI::App& app, Run& run);
 void AddVerifyCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddInitCommand,     AddPlaceCommand,   AddPlanCommand,      AddVerifyCommand,     AddBatchCommand,
-    AddCheckCommand,    AddInspectCommand, AddStiffnessCommand, AddIdentifyCommand,   AddCalibrateCommand,
-    AddFlatnessCommand, AddSchemaCommand,  AddManCommand,       AddCompletionCommand,
+    AddInitCommand,      AddPlaceCommand,    AddPlanCommand,      AddVerifyCommand,
+    AddBatchCommand,     AddCheckCommand,    AddInspectCommand,   AddFaceCommand,
+    AddStiffnessCommand, AddIdentifyCommand, AddCalibrateCommand, AddFlatnessCommand,
+    AddRegisterCommand,  AddSchemaCommand,   AddManCommand,       AddCompletionCommand,
 };
 
 }  // namespace millpose

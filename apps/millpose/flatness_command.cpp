@@ -48,7 +48,8 @@ void Print(const Flatness& found, const CsvTable& table) {
 }
 
 int Measure(const FlatnessOptions& options) {
-  const CsvTable table = ReadCsv(ReadFile(options.file), options.file, {{"x_mm", "y_mm", "z_mm"}, {}});
+  const CsvTable table =
+      ReadCsv(ReadFile(options.file), options.file, {{"x_mm", "y_mm", "z_mm"}, {"error_um"}});
   std::vector<Eigen::Vector3d> points;
   for (size_t i = 0; i < table.size(); ++i)
     points.emplace_back(table.At(i, "x_mm"), table.At(i, "y_mm"), table.At(i, "z_mm"));

@@ -9,8 +9,9 @@
 #include "base/loose_file.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
-#include "job/config/measurements.hpp"
+#include "identify_lost_motion.hpp"
 #include "job/assemble.hpp"
+#include "job/config/measurements.hpp"
 #include "job/inputs.hpp"
 #include "machine/identification/identify.hpp"
 #include "machine/identification/plausibility.hpp"
@@ -31,6 +32,7 @@ struct IdentifyWords {
 struct Task {
   MeasurementsSettings settings;
   std::filesystem::path cell_file;
+  ArmSettings arm_settings;
   Arm arm;
   Joints uncertainty;  ///< of its stiffness, as the cell says it
   IdentifyOptions options;
@@ -56,7 +58,8 @@ Task Load(const IdentifyWords& options) {
   task.cell_file = options.cell.empty() ? path.parent_path() / task.settings.cell_file
                                         : std::filesystem::path(options.cell);
   std::map<std::string, std::string> meshes;
-  const ArmSettings settings = LoadCell(task.cell_file, &meshes).arm;
+  task.arm_settings = LoadCell(task.cell_file, &meshes).arm;
+  const ArmSettings& settings = task.arm_settings;
   task.arm = MakeArm(settings);
   task.uncertainty = settings.stiffness_uncertainty.isZero(0.0)
                          ? Joints(Joints::Constant(kStiffnessUncertainty))
@@ -163,11 +166,14 @@ double UncertaintyOf(const JointEstimate& joint) {
   return std::min(kMost, std::ceil(200 * half / joint.stiffness) / 200);
 }
 
-void WriteCellFile(const IdentifyWords& options, const Task& task, const Identification& found) {
+void CheckCellFile(const IdentifyWords& options, const Task& task) {
   std::error_code missing;  // is no other cell's name
   if (!std::filesystem::equivalent(task.cell_file, options.write_cell, missing))
     throw InputError({options.write_cell}, fmt::format("--write-cell: another cell than the one read, {}",
                                                        task.cell_file.string()));
+}
+
+void WriteCellFile(const IdentifyWords& options, const Task& task, const Identification& found) {
   IdentifiedStiffness written;
   written.stiffness = task.arm.stiffness;
   written.uncertainty = task.uncertainty;
@@ -220,11 +226,28 @@ int Propose(const IdentifyWords& options, const Task& task) {
   return blind.empty() ? kDone : kFindings;
 }
 
+/// Of a file with readings taken both ways alone.
+int IdentifyLostMotion(const IdentifyWords& options, const Task& task, const LostMotionEstimates& found) {
+  if (!options.write_cell.empty())
+    WriteLostMotion(options.write_cell, options.file, task.arm_settings, found);
+  if (options.json)
+    fmt::print("{}\n", Json{{"schema_version", 1}, {"lost_motion", LostMotionJson(found)}}.dump(2));
+  else
+    PrintLostMotion(found);
+  return AllDetermined(task.settings, found) ? kDone : kFindings;
+}
+
 int Identify(const IdentifyWords& options) {
   const Task task = Load(options);
   if (options.propose >= 0) return Propose(options, task);
+  if (!options.write_cell.empty()) CheckCellFile(options, task);
+  if (!task.settings.two_way.empty()) {
+    if (!task.settings.measurements.empty())
+      throw InputError({options.file}, "given measurements and two_way; allowed: one of the two in a file");
+    return IdentifyLostMotion(options, task, EstimateLostMotion(task.settings, task.arm_settings, task.arm));
+  }
   if (task.settings.measurements.empty())
-    throw InputError({options.file}, "no measurements; allowed: at least one");
+    throw InputError({options.file}, "no measurements; allowed: at least one, or two_way");
   const std::vector<LoadCase> cases = MakeCases(task.settings, task.settings.measurements);
   const Identification found = IdentifyJointStiffness(task.arm, cases, task.options);
   const Plausibility judged = JudgeIdentification(task.arm, cases, task.options, found);
@@ -244,7 +267,9 @@ int Identify(const IdentifyWords& options) {
 void AddIdentifyCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
       "identify",
-      "Joint stiffness, N·m/rad, from measured deflections under load (docs/identification.md).\n"
+      "Joint stiffness, N·m/rad, from measured deflections under load (docs/identification.md), or lost "
+      "motion,\n"
+      "arcmin, from readings taken both ways (docs/lost-motion.md).\n"
       "Exit status 1: some joint could not be determined, or a finding on readings, stiffness or residual.");
   static IdentifyWords options;
   command->add_option("measurements", options.file, "Measurements, YAML or CSV")->required();

@@ -11,7 +11,7 @@ namespace {
 int Init(InitArguments arguments, const UnitOption& unit, Session& session) {
   arguments.unit = MillimetresOf(unit);
   if (arguments.arm.empty() && !arguments.cell)
-    throw InputError(Place{}, "given neither --arm nor --cell; needed: one of the two");
+    throw InputError(SourceLocation{}, "given neither --arm nor --cell; needed: one of the two");
   arguments.say = [](const std::string& text) {
     fmt::print("{}", text);
     std::fflush(stdout);
@@ -26,7 +26,10 @@ void AddInitCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
       "init", "Write a first cell and job for a part and an arm, which can be planned right away");
   const auto arguments = std::make_shared<InitArguments>();
-  command->add_option("PART", arguments->part, "Part (STL, OBJ, PLY, OFF, STEP)")->required();
+  command
+      ->add_option("PART", arguments->part,
+                   "Part (STL, OBJ, PLY, OFF, STEP), or a CAM file (APT, G-code, CSV)")
+      ->required();
   CLI::Option* arm =
       command->add_option("--arm", arguments->arm, "A sample cell's arm, like kr500_r2830, or a URDF file");
   CLI::Option* cell = command->add_option(

@@ -6,9 +6,9 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "commands.hpp"
+#include "run/pipeline/commands/explain_pose.hpp"
 #include "store/output_folder.hpp"
 #include "store/read_whole.hpp"
-#include "run/pipeline/commands/explain_pose.hpp"
 
 namespace millpose {
 namespace {

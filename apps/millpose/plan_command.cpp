@@ -30,7 +30,8 @@ Share ParseShare(const std::string& text) {
       slash == std::string::npos ? std::nullopt : ParseNumber(text.substr(slash + 1));
   const bool whole = number && count && *number == std::floor(*number) && *count == std::floor(*count);
   if (!whole || *number < 1 || *number > *count || *count > 1e6)
-    throw InputError(Place{}, fmt::format("--share: given {}; allowed: K/N with K from 1 to N", text));
+    throw InputError(SourceLocation{},
+                     fmt::format("--share: given {}; allowed: K/N with K from 1 to N", text));
   return {static_cast<size_t>(*number) - 1, static_cast<size_t>(*count)};
 }
 
@@ -53,6 +54,10 @@ void AddPlanCommand(CLI::App& app, Run& run) {
   command->add_option("--share", *share,
                       "K/N: plan only every N-th pass from the K-th, as checkpoints, and end");
   command->add_flag("--audit", arguments->audit, "Judge the plan by recomputation; figures in summary.json");
+  command->add_flag(
+      "--face", arguments->face,
+      "Predict the face that the plan will leave, as `millpose face` does: face.csv, summary.json, "
+      "report.html");
   const auto axis_map = std::make_shared<std::string>("known");
   command
       ->add_option(

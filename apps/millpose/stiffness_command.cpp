@@ -27,7 +27,7 @@ struct StiffnessOptions {
   bool json = false;
 };
 
-Vector3d Unit(const std::vector<double>& numbers, const char* option, const Place& place = {}) {
+Vector3d Unit(const std::vector<double>& numbers, const char* option, const SourceLocation& place = {}) {
   const Vector3d v(numbers[0], numbers[1], numbers[2]);
   if (!v.allFinite() || v.norm() < 1e-9)
     throw InputError(place, fmt::format("{}: given {} {} {}; allowed: three finite numbers, not all 0",
@@ -87,7 +87,7 @@ PoseReport Evaluate(const StiffnessOptions& options, const Subject& subject, con
   return report;
 }
 
-Joints FromDegrees(const std::vector<double>& degrees, const char* source, const Place& place = {}) {
+Joints FromDegrees(const std::vector<double>& degrees, const char* source, const SourceLocation& place = {}) {
   Joints q;
   for (int i = 0; i < 6; ++i) {
     if (!std::isfinite(degrees[i]) || std::abs(degrees[i]) > 3600)
@@ -115,7 +115,7 @@ int ManyPoses(const StiffnessOptions& options, const Subject& subject) {
   if (table.size() == 0) throw InputError({options.poses}, "no poses; allowed: at least one row");
   std::vector<PoseReport> reports;
   for (size_t row = 0; row < table.size(); ++row) {
-    const Place place{options.poses, table.line(row)};
+    const SourceLocation place{options.poses, table.line(row)};
     std::vector<double> degrees;
     for (int i = 0; i < 6; ++i) degrees.push_back(table.At(row, fmt::format("a{}_deg", i + 1)));
     std::optional<Vector3d> normal;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "planning/pose/map.hpp"
 #include "machine/stiffness/pose_stiffness.hpp"
+#include "planning/pose/map.hpp"
 
 namespace millpose {
 

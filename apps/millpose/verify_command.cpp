@@ -54,7 +54,7 @@ void AddVerifyCommand(CLI::App& app, Run& run) {
   command->callback([&run, arguments, root] {
     run = [arguments, root](Session& session) {
       if (arguments->plan && std::filesystem::is_directory(arguments->target))
-        throw InputError(Place{arguments->target.string(), 0, 0, -1},
+        throw InputError(SourceLocation{arguments->target.string(), 0, 0, -1},
                          "a program expected: a folder is held against its own plan without --plan");
       arguments->root = FileRoot::Of(*root);
       return VerifyAndPrint(*arguments, session);

@@ -19,8 +19,8 @@
 
 #include "base/process.hpp"
 #include "base/text.hpp"
-#include "step_file.hpp"
 #include "geometry/import/step_reader.hpp"
+#include "step_file.hpp"
 
 namespace {
 

@@ -46,7 +46,7 @@ double TriangleArea(const TopoDS_Face& face) {
 }
 
 std::vector<TopoDS_Face> Recut(const TopoDS_Face& face, double area, double chord_tolerance, double angle,
-                               const RecutWay& way) try {
+                               const RecutLength& way) try {
   IMeshTools_Parameters parameters;
   parameters.Deflection = chord_tolerance;
   parameters.Angle = angle;

@@ -33,6 +33,7 @@
 #include <istream>
 #include <stdexcept>
 
+#include "bodies.hpp"
 #include "recut.hpp"
 #include "refine.hpp"
 #include "step_progress.hpp"
@@ -143,7 +144,7 @@ std::vector<TopoDS_Face> Cut(const TopoDS_Face& face, double chord_tolerance, So
     return cut > 0 && cut >= source.area / 2;
   };
   if (enough()) return {face};
-  for (const RecutWay& way : kRecutWays)
+  for (const RecutLength& way : kRecutWays)
     if (std::vector<TopoDS_Face> faces = Recut(face, source.area, chord_tolerance, kAngle, way);
         !faces.empty())
       return faces;
@@ -195,6 +196,7 @@ struct Model {
   Unit unit;
   /// Each face where it stands: a part used twice in an assembly has its faces twice.
   std::vector<SourceFace> faces;
+  StepBodies bodies;
 };
 
 // What the file says, without the memory that reading it took: many times its size.
@@ -208,10 +210,11 @@ Model ReadModel(std::istream& file) {
   const Handle(StepProgress) progress = new StepProgress(kParsed, kTransferred);
   if (reader.TransferRoots(progress->Start()) == 0)
     throw std::runtime_error("the STEP file holds no shape that can be read");
-  Model model{reader.OneShape(), UnitOf(reader), {}};
+  Model model{reader.OneShape(), UnitOf(reader), {}, {}};
   const FaceEntities entities = EntitiesOf(reader);
   for (TopExp_Explorer it(model.shape, TopAbs_FACE); it.More(); it.Next())
     model.faces.push_back(Described(reader, entities, TopoDS::Face(it.Current())));
+  model.bodies = BodiesOf(reader, model.shape);
   reader.ClearShapes();
   reader.WS()->ClearData(7);
   reader.WS()->ClearData(1);
@@ -233,6 +236,8 @@ RawMesh TessellateStep(std::istream& file, double chord_tolerance) {
   Mesh(model.shape, chord_tolerance);
   RawMesh mesh;
   mesh.triangles.source_faces = std::move(model.faces);
+  mesh.bodies = std::move(model.bodies.names);
+  mesh.body_of_source = std::move(model.bodies.of_face);
   std::vector<SourceFace>& sources = mesh.triangles.source_faces;
   double deviation = 0;
   int number = 0;

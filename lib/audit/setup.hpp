@@ -99,14 +99,19 @@ struct Setup {
   Real spacing = 0;                ///< mm
   bool rings = false;              ///< passes may be closed
   bool laid = true;  ///< cut points lie on the workpiece or a layer over it: no hole, no trimmed edge
+  std::string urscript_tool_axis = "z";
   std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "orirpy";
-  std::vector<std::string> sinumerik_words = {"A", "B", "C"};          ///< of the angles
-  std::string krl_tool_direction = "x";                                ///< $TOOL_DIRECTION
-  bool sinumerik_turn_known = false;                                   ///< the cell says how MD21104 stands
-  std::string linuxcnc_tool_axis = "z", linuxcnc_rotation = "rpy";     ///< of tool poses
+  std::vector<std::string> sinumerik_words = {"A", "B", "C"};       ///< of the angles
+  std::string krl_tool_direction = "x";                             ///< $TOOL_DIRECTION
+  bool sinumerik_turn_known = false;                                ///< the cell says how MD21104 stands
+  std::string linuxcnc_tool_axis = "z", linuxcnc_rotation = "rpy";  ///< of tool poses
+  std::string fanuc_tool_axis = "z";
+  Real fanuc_height = 0;  ///< mm, of the controller's world above the robot's base
   std::map<std::string, std::vector<ControllerAxis>> controller_axes;  ///< by controller
-  /// How a controller counts: its angle = sign · the arm's + offset (rad).
+  /// How a controller counts: its angle = sign · the arm's + offset (rad), then for each axis `coupling`
+  /// times all six on top.
   struct Count {
+    std::array<Angles, 6> coupling{};
     Angles sign, offset;
   };
   std::map<std::string, Count> counts;  ///< by controller; those that are not here count as the arm does

@@ -8,7 +8,7 @@
 
 namespace millpose {
 
-std::string ToString(const Place& place) {
+std::string ToString(const SourceLocation& place) {
   if (place.byte >= 0) return fmt::format("{}, byte {}", place.file, place.byte);
   if (place.line > 0 && place.column > 0)
     return fmt::format("{}:{}:{}", place.file, place.line, place.column);
@@ -22,7 +22,8 @@ InputError::InputError(std::vector<Problem> problems) : problems_(std::move(prob
   const size_t more = problems_.size() > kMostProblems ? problems_.size() - kMostProblems : 0;
   if (more > 0) {
     problems_.resize(kMostProblems);
-    problems_.push_back({Place{problems_.back().place.file}, "more problems follow that are not listed"});
+    problems_.push_back(
+        {SourceLocation{problems_.back().place.file}, "more problems follow that are not listed"});
   }
   for (Problem& problem : problems_)
     if (problem.message.size() > kLongest) problem.message = Shown(problem.message, kLongest);
@@ -36,7 +37,7 @@ InputError::InputError(std::vector<Problem> problems) : problems_(std::move(prob
   std::ranges::replace(text_, '\0', '?');  // what() ends at the first
 }
 
-InputError::InputError(Place place, std::string message)
+InputError::InputError(SourceLocation place, std::string message)
     : InputError(std::vector<Problem>{{std::move(place), std::move(message)}}) {}
 
 namespace {

@@ -10,7 +10,7 @@ namespace millpose {
 
 /// Where in an input something is wrong. Lines and columns count from 1; 0 means unknown. `byte` counts from
 /// 0 and is used by binary formats; -1 means unknown.
-struct Place {
+struct SourceLocation {
   std::string file;
   int line = 0;
   int column = 0;
@@ -18,11 +18,11 @@ struct Place {
 };
 
 /// "file:line:column", "file:line", "file, byte 84" or "file", by what is known.
-std::string ToString(const Place& place);
+std::string ToString(const SourceLocation& place);
 
 /// One thing that is wrong with an input.
 struct Problem {
-  Place place;
+  SourceLocation place;
   std::string message;  ///< what was given, what is allowed, the nearest known name
 };
 
@@ -30,7 +30,7 @@ struct Problem {
 class InputError : public std::exception {
  public:
   explicit InputError(std::vector<Problem> problems);
-  InputError(Place place, std::string message);
+  InputError(SourceLocation place, std::string message);
 
   const std::vector<Problem>& problems() const { return problems_; }
   const char* what() const noexcept override { return text_.c_str(); }

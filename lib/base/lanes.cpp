@@ -18,7 +18,7 @@ InstructionSet ChooseInstructionSet() {
   const char* wanted = std::getenv("MILLPOSE_INSTRUCTION_SET");
   for (const auto& [name, set] : kNames)
     if (Supports(set) && (wanted == nullptr || std::string(wanted) == name)) return set;
-  throw InputError(Place{},
+  throw InputError(SourceLocation{},
                    fmt::format("MILLPOSE_INSTRUCTION_SET: given {}; allowed: baseline, or avx2 or avx512 "
                                "where the processor has it",
                                wanted));

@@ -37,7 +37,7 @@ struct Pipe {
   int ends[2] = {-1, -1};
   Pipe() {
     if (::pipe2(ends, O_CLOEXEC) != 0)
-      throw InputError(Place{}, fmt::format("cannot make a pipe: {}", std::strerror(errno)));
+      throw InputError(SourceLocation{}, fmt::format("cannot make a pipe: {}", std::strerror(errno)));
   }
   ~Pipe() {
     Close(0);
@@ -64,7 +64,7 @@ class Input {
     if (file_ < 0 || !bytes.empty() || ::lseek(file_, 0, SEEK_SET) != 0) {
       const std::string why = std::strerror(errno);
       if (file_ >= 0) ::close(file_);
-      throw InputError(Place{}, fmt::format("cannot keep a process's input in memory: {}", why));
+      throw InputError(SourceLocation{}, fmt::format("cannot keep a process's input in memory: {}", why));
     }
   }
   ~Input() { ::close(file_); }
@@ -106,7 +106,8 @@ pid_t Spawn(const std::vector<std::string>& arguments, const Input& input, const
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0)
-    throw InputError(Place{arguments[0]}, fmt::format("cannot be started: {}", std::strerror(error)));
+    throw InputError(SourceLocation{arguments[0]},
+                     fmt::format("cannot be started: {}", std::strerror(error)));
   return child;
 }
 

@@ -35,7 +35,7 @@ class Registry {
   /// The entry called `name`. Throws InputError with the nearest name when there is none.
   const Entry& At(std::string_view name) const {
     if (const Entry* found = Find(name)) return *found;
-    throw InputError(Place{}, UnknownName(kind_, std::string(name), Names()));
+    throw InputError(SourceLocation{}, UnknownName(kind_, std::string(name), Names()));
   }
 
   const std::vector<Entry>& entries() const {

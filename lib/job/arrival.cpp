@@ -5,11 +5,11 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "geometry/import/raw_mesh.hpp"
+#include "geometry/import/step_reader.hpp"
 #include "job/assemble.hpp"
 #include "job/controller_zero.hpp"
 #include "machine/robot/kinematics.hpp"
-#include "geometry/import/raw_mesh.hpp"
-#include "geometry/import/step_reader.hpp"
 
 namespace millpose {
 namespace {
@@ -53,6 +53,14 @@ std::string Length(double mm) {
   return mm >= 1000 ? fmt::format("{:.4g} m", mm / 1000) : fmt::format("{:.3g} mm", mm);
 }
 
+/// "-1 × axis 2": what a controller adds to its count of an axis.
+std::string Sum(const Joints& factors) {
+  std::vector<std::string> terms;
+  for (int i = 0; i < 6; ++i)
+    if (factors[i] != 0) terms.push_back(fmt::format("{} × axis {}", ShortestNumber(factors[i]), i + 1));
+  return fmt::format("{}", fmt::join(terms, " + "));
+}
+
 }  // namespace
 
 ArmArrival DescribeArrival(const CellSettings& settings, const Cell& cell) {
@@ -68,14 +76,18 @@ ArmArrival DescribeArrival(const CellSettings& settings, const Cell& cell) {
     if (body.body_class == BodyClass::kLink)
       arrival.bodies.push_back({body.name, WordOf(kLinkWords, body.link), std::visit(BoxSize{}, body.shape)});
   for (const auto& [name, controller] : settings.controllers) {
-    const AxisConvention axes = controller.shared.Axes();
+    const AxisConvention axes = controller.shared.UncoupledAxes();
     std::vector<std::string> signs, offsets;
     for (int i = 0; i < 6; ++i) {
       signs.emplace_back(axes.matrix()(i, i) < 0 ? "-1" : "1");
       offsets.push_back(ShortestNumber(std::round(RadToDeg(axes.offset()[i]) * 1e6) / 1e6 + 0.0));
     }
-    arrival.controllers.push_back(fmt::format("{}: its angle = [{}] × the arm's + [{}]°", name,
-                                              fmt::join(signs, ", "), fmt::join(offsets, ", ")));
+    std::string text = fmt::format("{}: its angle = [{}] × the arm's + [{}]°", name, fmt::join(signs, ", "),
+                                   fmt::join(offsets, ", "));
+    if (controller.shared.axis_couplings)
+      for (const AxisCoupling& coupling : *controller.shared.axis_couplings)
+        text += fmt::format(", axis {} + {}", coupling.axis, Sum(coupling.factors));
+    arrival.controllers.push_back(std::move(text));
   }
   arrival.notes = settings.notes;
   return arrival;

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "base/error.hpp"
-#include "machine/collision/cell.hpp"
 #include "job/config/cell_settings.hpp"
+#include "machine/collision/cell.hpp"
 
 namespace millpose {
 

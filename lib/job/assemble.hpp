@@ -2,20 +2,21 @@
 // From settings, which config reads, to the values that the stages work on. The only place that knows both.
 #pragma once
 
-#include "machine/collision/cell.hpp"
+#include "geometry/import/step_options.hpp"
 #include "job/config/cell_settings.hpp"
 #include "job/config/job_settings.hpp"
-#include "planning/links/gap_planner.hpp"
 #include "job/inputs.hpp"
+#include "machine/collision/cell.hpp"
+#include "machine/stiffness/series.hpp"
+#include "planning/links/link_move_planner.hpp"
 #include "planning/pass/fixed_rotation.hpp"
 #include "planning/pass/pass_planner.hpp"
+#include "planning/result/gear_course.hpp"
 #include "program/pose_text.hpp"
 #include "program/post.hpp"
-#include "machine/stiffness/series.hpp"
-#include "geometry/import/step_options.hpp"
+#include "program/verify/verify.hpp"
 #include "toolpath/gouge.hpp"
 #include "toolpath/toolpath_options.hpp"
-#include "program/verify/verify.hpp"
 
 namespace millpose {
 
@@ -36,6 +37,10 @@ struct GravityModel {
   Eigen::Vector3d gravity;  ///< in B, mm/s²
 };
 std::optional<GravityModel> MakeGravity(const CellSettings& settings);
+
+/// What a cell says of its gears: lost motion, how they count, and where friction is given the weights that
+/// load them.
+GearModel MakeGearModel(const CellSettings& settings);
 
 /// X_FT of a tool: z along its axis from tip to holder, x as near to its x as a right angle allows.
 Pose MakeToolPose(const ToolSettings& settings);
@@ -71,8 +76,12 @@ CutterShape MakeCutterShape(const ToolSettings& tool);
 /// The job's own, with cutter and feed.
 ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool);
 PathOptions MakePathOptions(const JobSettings& job);
-FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop);
-GapOptions MakeGapOptions(const JobSettings& job);
+/// The first pass of the last layer: every layer has the same passes, one layer after the other.
+int FinishedFrom(const JobSettings& job, size_t passes);
+/// `passes`: how many the job has.
+FixedRotationOptions MakeFixedOptions(const JobSettings& job, const CellSettings& cell, size_t passes,
+                                      int threads, std::stop_token stop);
+LinkMoveOptions MakeLinkMoveOptions(const JobSettings& job);
 VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);
 
 /// Why `controller` cannot run programs for an arm; empty where it can.

@@ -2,8 +2,8 @@
 #include "job/cell_texts.hpp"
 
 #include "base/units.hpp"
-#include "planning/links/gap_planner.hpp"
 #include "job/assemble.hpp"
+#include "planning/links/link_move_planner.hpp"
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"
 #include "program/templates.hpp"
@@ -56,13 +56,14 @@ void CheckNumbers(const CellSettings& cell, const PostSettings& post, std::vecto
 }
 
 std::vector<Joints> PlanWay(const World& world, const Joints& from, const Joints& to,
-                            const GapOptions& options, const std::string& name, double& share,
+                            const LinkMoveOptions& options, const std::string& name, double& share,
                             const std::stop_token& stop) {
   if ((from - to).cwiseAbs().maxCoeff() < kSameJoints) return {from};
-  const Gap gap = PlanGap(world, {-1, -1, from}, {-1, -1, to}, options, stop);
+  const LinkMove gap = PlanLinkMove(world, {-1, -1, from}, {-1, -1, to}, options, stop);
   if (!gap.planned)
-    throw InputError(Place{}, fmt::format("the way between home and the call of {} could not be planned: {}",
-                                          name, gap.detail));
+    throw InputError(
+        SourceLocation{},
+        fmt::format("the way between home and the call of {} could not be planned: {}", name, gap.detail));
   share = std::min(share, gap.clearance_share);
   return gap.joints;
 }
@@ -129,10 +130,10 @@ std::vector<std::string> AssumedCalls(const CellSettings& cell, const std::strin
   return assumptions;
 }
 
-std::vector<CallWay> PlanCallWays(const World& at_zero, const JobInputs& inputs,
-                                  const std::string& controller, const std::stop_token& stop) {
+std::vector<CallTransition> PlanCallTransitions(const World& at_zero, const JobInputs& inputs,
+                                                const std::string& controller, const std::stop_token& stop) {
   const PostSettings post = SettingsOf(inputs.cell, controller);
-  const GapOptions options = MakeGapOptions(inputs.job);
+  const LinkMoveOptions options = MakeLinkMoveOptions(inputs.job);
   const ExternalPosition external = Mechanism(at_zero.cell().external_axes).Home();
   const World world = external.empty() ? at_zero : at_zero.At(external);
   const Joints& home = world.cell().home;
@@ -140,12 +141,12 @@ std::vector<CallWay> PlanCallWays(const World& at_zero, const JobInputs& inputs,
     // Nobody knows which tool the spindle holds before it is changed.
     const bool any_tool = call.text == "tool_change" && inputs.cell.tools.size() > 1;
     const World there = any_tool ? World(WithAllTools(world.cell(), inputs.cell)) : world;
-    CallWay way{call, {}, {}};
+    CallTransition way{call, {}, {}};
     way.there = PlanWay(there, home, call.from, options, call.name, way.clearance_share, stop);
     way.back = PlanWay(world, call.to, home, options, call.name, way.clearance_share, stop);
     return way;
   };
-  std::vector<CallWay> ways;
+  std::vector<CallTransition> ways;
   for (const std::string text : {"header", "tool_change", "footer"}) {
     for (const DeclaredCall& call : CallsOf(post, text)) {
       if (call.moves) ways.push_back(way_of(call));

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "machine/collision/world.hpp"
 #include "job/inputs.hpp"
+#include "machine/collision/world.hpp"
 #include "program/motion_program.hpp"
 
 namespace millpose {
@@ -28,7 +28,7 @@ std::string AssumptionOf(const DeclaredCall& call);
 
 /// The ways from home to every call that moves the arm, and back. Planned like any gap, from the same seed:
 /// the same inputs give the same ways. Throws InputError for one that cannot be planned, Interrupted.
-std::vector<CallWay> PlanCallWays(const World& world, const JobInputs& inputs, const std::string& controller,
-                                  const std::stop_token& stop);
+std::vector<CallTransition> PlanCallTransitions(const World& world, const JobInputs& inputs,
+                                                const std::string& controller, const std::stop_token& stop);
 
 }  // namespace millpose

@@ -4,13 +4,13 @@
 #include <set>
 
 #include "base/parallel.hpp"
+#include "machine/robot/angles.hpp"
 #include "planning/compensation/compensate.hpp"
 #include "planning/links/job_planner.hpp"
 #include "planning/links/retract.hpp"
 #include "planning/pass/cut_check.hpp"
 #include "planning/result/station.hpp"
-#include "machine/robot/angles.hpp"
-#include "program/verify/ride_way.hpp"
+#include "program/verify/coordinated_path.hpp"
 
 namespace millpose {
 namespace {
@@ -32,7 +32,7 @@ std::vector<Line> LinesOf(const PlanResult& plan) {
   };
   for (size_t p = 0; p < plan.passes.size(); ++p)
     for (size_t k = 0; k < plan.passes[p].pieces.size(); ++k) {
-      const Piece& piece = plan.passes[p].pieces[k];
+      const Segment& piece = plan.passes[p].pieces[k];
       const auto& points = plan.passes[p].points;
       const auto add = [&](size_t from, size_t to) {
         if (points[from].compensation && points[to].compensation)
@@ -42,15 +42,15 @@ std::vector<Line> LinesOf(const PlanResult& plan) {
       for (auto i = static_cast<size_t>(piece.first); i < static_cast<size_t>(piece.last); ++i) add(i, i + 1);
       if (piece.closed) add(static_cast<size_t>(piece.last), static_cast<size_t>(piece.first));
     }
-  const auto ends = GapEnds(HomeOf(plan), plan.passes);
+  const auto ends = LinkMoveEnds(HomeOf(plan), plan.passes);
   for (size_t g = 0; g < std::min(plan.gaps.size(), ends.size()); ++g) {
-    const Gap& gap = plan.gaps[g];
+    const LinkMove& gap = plan.gaps[g];
     if (!gap.planned || gap.joints.empty()) continue;
     const auto add = [&](int pass, int number, bool entry) {
       if (pass < 0) return;
       const auto p = static_cast<size_t>(pass);
       const PassResult& own = plan.passes[p];
-      const auto piece = std::ranges::find(own.pieces, number, &Piece::piece);
+      const auto piece = std::ranges::find(own.pieces, number, &Segment::piece);
       const auto k = static_cast<size_t>(piece - own.pieces.begin());
       const int at = entry || piece->closed ? piece->first : piece->last;
       const Joints q = commanded(own.points[static_cast<size_t>(at)]);
@@ -69,17 +69,18 @@ std::vector<Line> LinesOf(const PlanResult& plan) {
 /// What is in the way of a line along which the external axes move; empty when nothing.
 std::string WhyNotAlong(const Stations& stations, const PlanResult& plan, const Line& line,
                         double resolution) {
-  const auto ride = std::make_shared<const Ride>(
-      Ride{Mechanism(plan.external_axes), plan.X_WB, plan.X_WP, line.external, line.external_to});
+  const auto ride = std::make_shared<const CoordinatedMotion>(CoordinatedMotion{
+      Mechanism(plan.external_axes), plan.X_WB, plan.X_WP, line.external, line.external_to});
   const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT, ride};
   const Joints to = NearestEquivalent(line.from, line.to), free = Joints::Constant(kAnyTurn);
   const LineMotion motion = FollowLine(carrier, line.from, carrier.ToolPose(to, 1), -free, free);
   if (!motion.problem.empty()) return motion.problem;
-  RideWay way{ride->from, ride->to, {}};
+  CoordinatedPath way{ride->from, ride->to, {}};
   for (size_t i = 0; i < motion.joints.size(); ++i)
     way.joints.emplace_back(static_cast<double>(i) / static_cast<double>(motion.joints.size() - 1),
                             motion.joints[i]);
-  const std::optional<Interference> found = FindOnRide(stations.world(), way, {line.share, 0, resolution});
+  const std::optional<Interference> found =
+      FindOnCoordinatedMotion(stations.world(), way, {line.share, 0, resolution});
   return found ? NearText(*found) : std::string();
 }
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/execution.hpp"
-#include "planning/result/plan_result.hpp"
 #include "planning/external/stations.hpp"
+#include "planning/result/plan_result.hpp"
 
 namespace millpose {
 

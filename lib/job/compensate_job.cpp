@@ -2,11 +2,12 @@
 #include "job/compensate_job.hpp"
 
 #include "base/trig.hpp"
-#include "planning/compensation/gain.hpp"
 #include "job/assemble.hpp"
 #include "job/commanded_free.hpp"
 #include "job/job_engagement.hpp"
 #include "job/measured_forces.hpp"
+#include "job/measured_map.hpp"
+#include "planning/compensation/gain.hpp"
 
 namespace millpose {
 namespace {
@@ -111,7 +112,9 @@ std::vector<std::vector<double>> FeedsOf(const PlanResult& plan) {
 CompensationNotes CompensateJob(const JobInputs& inputs, const Stations& stations,
                                 const std::vector<std::vector<double>>& planned_feeds,
                                 const Execution& execution, PlanResult& plan) {
-  const CompensationOptions options = MakeCompensationOptions(inputs.job, inputs.cell);
+  CompensationOptions options = MakeCompensationOptions(inputs.job, inputs.cell);
+  const bool mapped = !inputs.job.compensation.map_file.empty();
+  if (mapped) options.map = ReadMap(inputs, plan);
   if (!IsOn(options)) return {};
   PointForces forces = ForcesOf(plan);
   if (!inputs.job.force_file.empty())
@@ -119,6 +122,7 @@ CompensationNotes CompensateJob(const JobInputs& inputs, const Stations& station
   else if (inputs.job.cutting)
     ScaleToFeeds(inputs, planned_feeds, plan, forces);
   const CompensationCounts counts = Compensate(options, forces, plan);
+  if (mapped) CheckOthers(inputs, plan);
   CompensationNotes notes;
   execution.progress.Begin("compensation", 0);
   notes.findings = KeepCommandedFree(stations, inputs.job.swept_resolution, execution, plan);

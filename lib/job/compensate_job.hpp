@@ -3,8 +3,8 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "planning/compensation/compensate.hpp"
 #include "job/inputs.hpp"
+#include "planning/compensation/compensate.hpp"
 #include "planning/external/stations.hpp"
 
 namespace millpose {

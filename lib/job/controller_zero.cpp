@@ -67,7 +67,7 @@ class Settling {
                fmt::format("the zero of an arm from a URDF need not be the controller's (here {}). Where "
                            "it counts as the file does: {}",
                            DescribeZero(arm_), Keys({1, 1, 1, 1, 1, 1}, Joints::Zero())));
-      const AxisConvention settled = options.Axes();
+      const AxisConvention settled = options.UncoupledAxes();
       options.axis_signs = SignsOf(settled);
       options.axis_offsets = settled.offset();
     }
@@ -84,7 +84,7 @@ class Settling {
     const bool both = options.axis_signs && options.axis_offsets,
                any = options.axis_signs || options.axis_offsets;
     if (both || (own_count && !from_urdf_)) {
-      const AxisConvention stated = options.Axes();
+      const AxisConvention stated = options.UncoupledAxes();
       if (SignsOf(stated) != signs || (Tidy(stated.offset() - offset).array().abs() > kQuarterWithin).any())
         cell_.warnings.push_back(fmt::format(
             "{}: controllers.{}: {} is not what the arm's geometry gives with the controller's zero "

@@ -3,9 +3,9 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "geometry/import/mesh_import.hpp"
 #include "job/assemble.hpp"
 #include "toolpath/engagement/cutting_material.hpp"
-#include "geometry/import/mesh_import.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "toolpath/engagement/engagement.hpp"
-#include "job/inputs.hpp"
 #include "geometry/mesh/mesh.hpp"
+#include "job/inputs.hpp"
+#include "toolpath/engagement/engagement.hpp"
 
 namespace millpose {
 

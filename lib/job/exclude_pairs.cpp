@@ -2,8 +2,8 @@
 #include "job/exclude_pairs.hpp"
 
 #include "base/random.hpp"
-#include "machine/collision/world.hpp"
 #include "job/assemble.hpp"
+#include "machine/collision/world.hpp"
 
 namespace millpose {
 namespace {

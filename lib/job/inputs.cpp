@@ -3,11 +3,11 @@
 
 #include "base/error.hpp"
 #include "base/hash.hpp"
-#include "job/config/config.hpp"
 #include "job/arrival.hpp"
 #include "job/assemble.hpp"
 #include "job/cell_texts.hpp"
 #include "job/compensate_job.hpp"
+#include "job/config/config.hpp"
 #include "job/controller_zero.hpp"
 #include "job/exclude_pairs.hpp"
 #include "job/external_positions.hpp"
@@ -170,12 +170,16 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
     inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes, root, inputs.job.base_in_world);
   });
   if (problems.empty()) Collect(problems, [&] { SelectTool(inputs.job.tool, &inputs.cell); });
+  if (problems.empty() && inputs.job.objective_open && MakeGearModel(inputs.cell).lost.Any())
+    inputs.job.objective = TheObjective(&ObjectiveEntry::with_lost_motion).name;
   if (!inputs.job.workpiece.mesh_file.empty())
     Collect(problems, [&] { inputs.workpiece_bytes = root.Read(folder / inputs.job.workpiece.mesh_file); });
   if (!inputs.job.workpiece.stock_file.empty())
     Collect(problems, [&] { inputs.stock_bytes = root.Read(folder / inputs.job.workpiece.stock_file); });
   if (!inputs.job.force_file.empty())
     Collect(problems, [&] { inputs.force_bytes = root.Read(folder / inputs.job.force_file); });
+  if (!inputs.job.compensation.map_file.empty())
+    Collect(problems, [&] { inputs.map_bytes = root.Read(folder / inputs.job.compensation.map_file); });
   if (const std::string file = inputs.job.toolpath.strategy->File(); !file.empty())
     Collect(problems, [&] { inputs.path_bytes = root.Read(folder / file); });
   if (inputs.job.placement)
@@ -205,6 +209,7 @@ std::string HashOf(const JobInputs& inputs) {
                     Hash(inputs.workpiece_bytes) + '\0' + Hash(inputs.stock_bytes) + '\0' +
                     Hash(inputs.path_bytes);
   if (!inputs.job.force_file.empty()) all += '\0' + Hash(inputs.force_bytes);
+  if (!inputs.job.compensation.map_file.empty()) all += '\0' + Hash(inputs.map_bytes);
   for (const auto& [name, bytes] : inputs.body_bytes) all += '\0' + name + '\0' + Hash(bytes);
   return Hash(all);
 }

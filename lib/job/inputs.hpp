@@ -22,6 +22,7 @@ struct JobInputs {
   std::string workpiece_bytes;  ///< of the workpiece's mesh file
   std::string stock_bytes;      ///< of the stock's, where there is one
   std::string force_bytes;      ///< of the measured forces, where there are some
+  std::string map_bytes;        ///< of the map of a measured part's error, where there is one
   std::string path_bytes;       ///< of the file that the strategy takes its path from
   std::map<std::string, std::string>
       body_bytes;  ///< of the mesh files that the cell's bodies name, by that name

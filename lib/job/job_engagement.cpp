@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job/job_engagement.hpp"
 
-#include "toolpath/engagement/entries.hpp"
 #include "job/engagement_options.hpp"
 #include "job/lean_freedoms.hpp"
 #include "planning/result/skipped.hpp"
 #include "planning/result/station.hpp"
+#include "toolpath/engagement/entries.hpp"
 #include "toolpath/make_toolpath.hpp"
 
 namespace millpose {
@@ -47,7 +47,7 @@ Toolpath Milled(const JobInputs& inputs, const PlanResult& plan, bool skipped) {
     Pass& own = milled.passes.emplace_back();
     for (const PlannedPoint& planned : pass.points) {
       own.points.push_back(AsLaid(inputs, planned.point));
-      own.points.back().gouge = skipped && planned.skip != Obstacle::kNone ? 1 : 0;
+      own.points.back().gouge = skipped && planned.skip != Infeasibility::kNone ? 1 : 0;
     }
     own.closed = pass.pieces.size() == 1 && pass.pieces.front().closed;
     Move(plan, pass, true, own);
@@ -85,7 +85,7 @@ class MissingMaterial {
       : plan_(plan), now_(now), largest_(largest) {}
 
   /// Why a piece takes too much off; empty where it does not.
-  std::string Why(size_t pass, const Piece& piece) const {
+  std::string Why(size_t pass, const Segment& piece) const {
     constexpr double kMore = 0.2;
     const std::vector<MillingPoint>& points = now_.passes[pass].points;
     const MillingPoint* worst = nullptr;
@@ -111,7 +111,7 @@ class MissingMaterial {
       for (size_t t = 0; t < plan_.passes[p].points.size(); ++t, ++number) {
         const PlannedPoint& planned = plan_.passes[p].points[t];
         const double distance = (now_.passes[p].points[t].position - place).norm();
-        if (planned.skip == Obstacle::kNone || distance >= nearest) continue;
+        if (planned.skip == Infeasibility::kNone || distance >= nearest) continue;
         nearest = distance;
         name = fmt::format("point {} (pass {}, {})", number, plan_.passes[p].pass, ToString(planned.skip));
       }
@@ -141,13 +141,14 @@ size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, const Executi
     const MissingMaterial missing(plan, now, largest);
     std::vector<std::tuple<size_t, int, std::string>> pieces;
     for (size_t p = 0; p < plan.passes.size(); ++p)
-      for (const Piece& piece : plan.passes[p].pieces)
+      for (const Segment& piece : plan.passes[p].pieces)
         if (std::string why = missing.Why(p, piece); !why.empty())
           pieces.emplace_back(p, piece.piece, std::move(why));
     if (pieces.empty()) return left_out;
     // From the last to the first: leaving one out renumbers those after it in its pass.
     for (auto at = pieces.rbegin(); at != pieces.rend(); ++at)
-      LeaveOut(plan.passes[std::get<0>(*at)], std::get<1>(*at), Obstacle::kOverMissing, std::get<2>(*at));
+      LeaveOut(plan.passes[std::get<0>(*at)], std::get<1>(*at), Infeasibility::kOverMissing,
+               std::get<2>(*at));
     left_out += pieces.size();
   }
 }
@@ -166,7 +167,7 @@ std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, const Exe
   for (size_t p = 0; p < plan.passes.size(); ++p)
     for (size_t t = 0; t < plan.passes[p].points.size(); ++t) {
       PlannedPoint& point = plan.passes[p].points[t];
-      over += point.skip == Obstacle::kOverMissing;
+      over += point.skip == Infeasibility::kOverMissing;
       Engagement& planned = point.point.engagement;
       const Engagement& now = milled.passes[p].points[t].engagement;
       const double before = planned.force.norm(), after = now.force.norm();
@@ -193,9 +194,9 @@ std::string EntriesOnMaterial(const JobInputs& inputs, const Mesh& mesh, const P
   std::vector<int> passes;
   size_t number = 0;
   for (const PassResult& pass : plan.passes) {
-    for (const Piece& piece : pass.pieces) {
+    for (const Segment& piece : pass.pieces) {
       auto first = static_cast<size_t>(piece.first);
-      while (pass.points[first].skip != Obstacle::kNone) ++first;
+      while (pass.points[first].skip != Infeasibility::kNone) ++first;
       entries.push_back(number + first);
       passes.push_back(pass.pass);
     }

@@ -5,10 +5,10 @@
 #include <stop_token>
 
 #include "base/execution.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "job/inputs.hpp"
 #include "planning/result/plan_result.hpp"
 #include "toolpath/engagement/process_force.hpp"
-#include "geometry/mesh/mesh.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "base/error.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "job/inputs.hpp"
 #include "planning/pose/scorer.hpp"
-#include "geometry/mesh/mesh.hpp"
 
 namespace millpose {
 

@@ -2,8 +2,8 @@
 #include "job/locate.hpp"
 
 #include "base/text.hpp"
-#include "job/config/operations.hpp"
 #include "base/yaml/value.hpp"
+#include "job/config/operations.hpp"
 
 namespace millpose {
 namespace {

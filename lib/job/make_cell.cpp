@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
-#include "job/assemble.hpp"
-#include "job/workpiece.hpp"
-#include "program/controller_axes.hpp"
 #include "geometry/import/mesh_import.hpp"
 #include "geometry/mesh/point_fit.hpp"
+#include "job/assemble.hpp"
+#include "job/workpiece.hpp"
+#include "machine/robot/make_pose.hpp"
+#include "program/controller_axes.hpp"
 
 namespace millpose {
 namespace {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
 #include "job/assemble.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "planning/pose/freedom_entry.hpp"
 #include "program/external_axes.hpp"
 #include "program/program_name.hpp"
+#include "toolpath/pass_ends.hpp"
 
 namespace millpose {
 
@@ -50,6 +52,12 @@ PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_set
   if (problem.objective->NeedsForce() && !job.cutting)
     throw InputError({job.file},
                      fmt::format("objective {}: no force; give the job process.cutting", job.objective));
+  if (problem.objective->JudgesFace() && !MakeGearModel(cell_settings).lost.Any())
+    throw InputError(
+        {job.file},
+        fmt::format("objective {}: cell {} states no lost motion (arm.lost_motion_arcmin); "
+                    "without it {} is the same",
+                    job.objective, cell_settings.name, TheObjective(&ObjectiveEntry::with_force).name));
   return problem;
 }
 
@@ -86,15 +94,27 @@ PathOptions MakePathOptions(const JobSettings& job) {
   return options;
 }
 
-FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop) {
-  const PathOptions path = MakePathOptions(job);
-  return {path.rotation_step,       path.steps, path.swept_resolution,
-          path.worst_first,         threads,    std::move(stop),
-          MakeGapOptions(job).leave};
+int FinishedFrom(const JobSettings& job, size_t passes) {
+  const size_t layers = LayerOffsets(job.toolpath.layers).size();
+  return static_cast<int>(passes - passes / layers);
 }
 
-GapOptions MakeGapOptions(const JobSettings& job) {
-  GapOptions options = job.gaps;
+FixedRotationOptions MakeFixedOptions(const JobSettings& job, const CellSettings& cell, size_t passes,
+                                      int threads, std::stop_token stop) {
+  const PathOptions path = MakePathOptions(job);
+  return {.rotation_step = path.rotation_step,
+          .steps = path.steps,
+          .swept_resolution = path.swept_resolution,
+          .worst_first = path.worst_first,
+          .gears = MakeGearModel(cell),
+          .finished_from = FinishedFrom(job, passes),
+          .threads = threads,
+          .stop = std::move(stop),
+          .leave = MakeLinkMoveOptions(job).leave};
+}
+
+LinkMoveOptions MakeLinkMoveOptions(const JobSettings& job) {
+  LinkMoveOptions options = job.gaps;
   options.leave.swept_resolution = job.swept_resolution;
   options.seed = job.seed;
   return options;
@@ -109,6 +129,7 @@ VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
   options.coupled = arm.coupled_limits;
   options.swept_resolution = job.swept_resolution;
   options.clearance_reserve = job.swept_resolution;
+  options.feed_least = std::max(options.feed_least, job.min_feed_share);
   options.interference = job.program_options.dry_run_offset > 0;  // the lifted motions were never checked
   return options;
 }
@@ -127,7 +148,7 @@ std::string NoProgramsFor(const ArmSettings& arm, const std::string& controller)
 
 PostSettings MakeTextSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller) {
-  const Place place{job.file.empty() ? cell.file : job.file, job.programs_line};
+  const SourceLocation place{job.file.empty() ? cell.file : job.file, job.programs_line};
   if (const std::string refusal = NoProgramsFor(cell.arm, controller); !refusal.empty())
     throw InputError(place, "programs: " + refusal);
   const auto found = cell.controllers.find(controller);
@@ -159,16 +180,22 @@ PostSettings MakeTextSettings(const JobSettings& job, const CellSettings& cell,
 PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller) {
   PostSettings post = MakeTextSettings(job, cell, controller);
+  const std::vector<ExternalAxis>& axes = post.mechanism.axes();
+  if (!axes.empty() && !cell.controllers.at(controller).post->HasExternalAxes())
+    throw InputError(SourceLocation{cell.file, cell.controllers_line},
+                     fmt::format("controllers.{0}: {0} moves no axes beside the arm's six, the cell has {1}; "
+                                 "expected: a cell without external_axes, or another controller",
+                                 controller, axes.front().name));
   if (const std::string refusal = WhyNotWithAxes(post, controller); !refusal.empty())
-    throw InputError(Place{cell.file, post.controller_axes_line}, refusal);
+    throw InputError(SourceLocation{cell.file, post.controller_axes_line}, refusal);
   if (!IsToolName(post.tool_name))
     throw InputError(
-        Place{cell.file, cell.tool.name_line},
+        SourceLocation{cell.file, cell.tool.name_line},
         fmt::format("tool.name: given '{}'; allowed where programs are written: 1 to 32 plain ASCII "
                     "characters, none of \" ( ) {{ }} ;, blanks only one at a time between others",
                     post.tool_name));
   if (const std::string refusal = cell.controllers.at(controller).post->WhyNotIn(post); !refusal.empty())
-    throw InputError(Place{cell.file, cell.controllers_line}, refusal);
+    throw InputError(SourceLocation{cell.file, cell.controllers_line}, refusal);
   return post;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Settings of compliance and weight → values of the stiffness module.
 #include "job/assemble.hpp"
+#include "machine/robot/make_pose.hpp"
 
 namespace millpose {
 
@@ -40,6 +41,28 @@ std::optional<GravityModel> MakeGravity(const CellSettings& settings) {
                           settings.gravity->counterbalance_zero};
   constexpr double kGravity = 9810;  // mm/s², along −z of W
   model.gravity = MakePose(settings.base_in_world).linear().transpose() * Eigen::Vector3d(0, 0, -kGravity);
+  return model;
+}
+
+GearModel MakeGearModel(const CellSettings& settings) {
+  GearModel model;
+  LostMotion& lost = model.lost;
+  lost.CountAs({GearMatrix(settings.arm), Joints::Zero()});
+  const std::optional<Vector6>& width = settings.arm.lost_motion;
+  if (width) lost.width.head<6>() = *width;
+  std::fill_n(model.known.begin(), 6, width.has_value());
+  for (size_t i = 0; i < settings.external_axes.size(); ++i) {
+    const ExternalAxisSettings& axis = settings.external_axes[i];
+    const auto gear = static_cast<Eigen::Index>(6 + i);
+    lost.width[gear] = axis.lost_motion.value_or(0);
+    model.known[6 + i] = axis.lost_motion.has_value();
+    if (axis.kind == AxisKind::kLinear) lost.dead_zone[gear] = kLinearDeadZone;
+  }
+  if (const std::optional<GravityModel> gravity = MakeGravity(settings);
+      gravity && settings.arm.gear_friction) {
+    lost.friction.head<6>() = *settings.arm.gear_friction;
+    model.weights = GearWeights{gravity->masses, gravity->counterbalance, gravity->gravity};
+  }
   return model;
 }
 

@@ -47,7 +47,8 @@ class MeasuredForces {
       *places[at] = PartAt(plan_, *externals[at]).linear() * force;
     }
     for (size_t at = 0; at < points.size() && problems_.size() < kMostProblems; ++at)
-      if (given[at] == 0 && points[at]->skip == Obstacle::kNone && points[at]->point.kind == PointKind::kCut)
+      if (given[at] == 0 && points[at]->skip == Infeasibility::kNone &&
+          points[at]->point.kind == PointKind::kCut)
         problems_.push_back({{file_}, fmt::format("point {} is cut and has no row", at)});
     if (!problems_.empty()) throw InputError(std::move(problems_));
     return forces;

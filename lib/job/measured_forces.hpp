@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "planning/compensation/compensate.hpp"
 #include "job/inputs.hpp"
+#include "planning/compensation/compensate.hpp"
 
 namespace millpose {
 

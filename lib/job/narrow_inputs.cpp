@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job/narrow_inputs.hpp"
 
-#include "store/kept_pass.hpp"
+#include "store/cached_pass.hpp"
 
 namespace millpose {
 namespace {

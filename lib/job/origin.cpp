@@ -20,7 +20,7 @@ RunFigures::JobFolder ReadJobFolder(const fs::path& run_file, const FileRoot& ro
     const nlohmann::json& folder = run.at("job_folder");
     return {folder.at("absolute").get<std::string>(), folder.at("relative").get<std::string>()};
   } catch (const nlohmann::json::exception& error) {
-    throw InputError(Place{run_file.string()},
+    throw InputError(SourceLocation{run_file.string()},
                      fmt::format("does not say where the job stood (job_folder): {}", error.what()));
   }
 }
@@ -44,7 +44,7 @@ fs::path OriginOf(const fs::path& job_file, const fs::path& named, const FileRoo
   for (const fs::path& origin : {fs::path(kept.absolute), (folder / kept.relative).lexically_normal()})
     if (fs::exists(origin / named)) return origin;
   throw InputError(
-      Place{job_file.string()},
+      SourceLocation{job_file.string()},
       fmt::format("the files that it names were read from {}, where {} is not any more; plan the "
                   "job that made this folder",
                   kept.absolute, named.string()));
@@ -66,7 +66,7 @@ RunFigures::JobFile JobFileFor(const fs::path& file, const std::string& name, co
   if (earlier && earlier->name == name) {
     const fs::path other = fs::weakly_canonical(folder / earlier->file);
     if (other != own && other.parent_path() != folder && Exists(other))
-      throw InputError(Place{file.string()},
+      throw InputError(SourceLocation{file.string()},
                        fmt::format("name: {} is also the name of {}, whose plan {} holds; give one of them "
                                    "another name, or another folder with -o DIR",
                                    name, other.string(), out.string()));

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "machine/collision/cell.hpp"
 #include "job/inputs.hpp"
+#include "machine/collision/cell.hpp"
 #include "toolpath/engagement/process_force.hpp"
 
 namespace millpose {

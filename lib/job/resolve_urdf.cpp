@@ -11,6 +11,7 @@
 #include "machine/robot/denavit_hartenberg.hpp"
 #include "machine/robot/joint_chain.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "machine/robot/make_pose.hpp"
 
 namespace millpose {
 namespace {

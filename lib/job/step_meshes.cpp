@@ -6,9 +6,9 @@
 #include "base/folder.hpp"
 #include "base/hash.hpp"
 #include "base/text.hpp"
-#include "job/assemble.hpp"
 #include "geometry/import/mesh_import.hpp"
 #include "geometry/import/step_reader.hpp"
+#include "job/assemble.hpp"
 
 namespace millpose {
 namespace {
@@ -77,11 +77,11 @@ const std::string& MeshOf(const JobInputs& inputs, const std::string& hash) {
 
 }  // namespace
 
-void TakeKeptMeshes(const std::filesystem::path& folder, JobInputs* inputs) {
+void TakeCachedMeshes(const std::filesystem::path& folder, JobInputs* inputs) {
   TakeFrom([&](const std::string& key) { return InResults(folder, key); }, inputs);
 }
 
-void TakeKeptMeshes(const OutputFolder& folder, JobInputs* inputs) {
+void TakeCachedMeshes(const OutputFolder& folder, JobInputs* inputs) {
   TakeFrom(
       [&](const std::string& key) {
         std::optional<std::string> mesh = folder.ReadCheckpoint(key);

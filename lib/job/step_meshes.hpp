@@ -14,8 +14,8 @@
 namespace millpose {
 
 /// Of STEP files among the inputs those whose triangles a folder's results or checkpoints hold become these.
-void TakeKeptMeshes(const std::filesystem::path& folder, JobInputs* inputs);
-void TakeKeptMeshes(const OutputFolder& folder, JobInputs* inputs);
+void TakeCachedMeshes(const std::filesystem::path& folder, JobInputs* inputs);
+void TakeCachedMeshes(const OutputFolder& folder, JobInputs* inputs);
 
 /// Cuts the STEP files that are left. `percent` hears how far it has come. Throws InputError, also for a
 /// stock or body of which a face is lost; Interrupted.

@@ -5,9 +5,9 @@
 
 #include "base/error.hpp"
 #include "base/process.hpp"
+#include "geometry/import/step_reader.hpp"
 #include "job/assemble.hpp"
 #include "machine/robot/kinematics.hpp"
-#include "geometry/import/step_reader.hpp"
 #include "toolpath/make_toolpath.hpp"
 #include "toolpath/strategy.hpp"
 

@@ -5,11 +5,11 @@
 #include <stop_token>
 
 #include "base/execution.hpp"
-#include "machine/collision/cell.hpp"
+#include "geometry/import/mesh_import.hpp"
 #include "job/inputs.hpp"
+#include "machine/collision/cell.hpp"
 #include "planning/external/external_course.hpp"
 #include "planning/external/stations.hpp"
-#include "geometry/import/mesh_import.hpp"
 #include "toolpath/cam/cam_source.hpp"
 #include "toolpath/gouge.hpp"
 

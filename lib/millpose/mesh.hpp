@@ -2,5 +2,5 @@
 // Import and repair of meshes.
 #pragma once
 
-#include "geometry/mesh/mesh.hpp"
 #include "geometry/import/mesh_import.hpp"
+#include "geometry/mesh/mesh.hpp"

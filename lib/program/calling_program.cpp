@@ -11,8 +11,6 @@
 namespace millpose {
 namespace {
 
-constexpr size_t kWidth = 98;  // of a comment
-
 std::string Filled(std::string text, const std::string& name) {
   constexpr std::string_view kHole = "{name}";
   for (size_t at = text.find(kHole); at != std::string::npos; at = text.find(kHole, at + name.size()))
@@ -27,14 +25,17 @@ std::string CalledName(const CallingSyntax& syntax, const std::string& job) {
   return name;
 }
 
-std::string Comments(const std::string& key, const std::string& value) {
+std::string Comments(const CallingSyntax& syntax, const std::string& key, const std::string& value) {
   std::string text;
-  for (const std::string& line : HeaderLines(key, value, kWidth)) text += "; " + line + "\n";
+  for (const std::string& line : HeaderLines(key, value, syntax.comment_width))
+    text += syntax.comment_begin + line + syntax.comment_end + "\n";
   return text;
 }
 
 /// Whether the line holds a statement.
-bool HoldsCode(std::string_view line) { return !Trim(line).empty() && !Trim(line).starts_with(';'); }
+bool HoldsCode(const CallingSyntax& syntax, std::string_view line) {
+  return !Trim(line).empty() && !Trim(line).starts_with(Trim(syntax.comment_begin));
+}
 
 /// What a line calls; empty where it calls nothing.
 std::string CallIn(const CallingSyntax& syntax, std::string_view line) {
@@ -50,14 +51,16 @@ std::string CallIn(const CallingSyntax& syntax, std::string_view line) {
 }  // namespace
 
 std::string ProgramName(const CallingSyntax& syntax, const std::string& job) {
-  return LegalName(job, syntax.longest, syntax.letters);
+  std::string name = LegalName(job, syntax.longest, syntax.letters);
+  return syntax.reserved.contains(AsTold(name)) ? "mp_" + name : name;
 }
 
 CalledProgram AsCalled(const CallingSyntax& syntax, const std::string& job, ProgramFiles files) {
   CalledProgram called{CalledName(syntax, job), {}, {}};
   auto main = files.extract(ProgramName(syntax, job) + syntax.ending);
-  assert(!main.empty() && main.mapped().ends_with(syntax.tail));
-  std::string text = main.mapped().substr(0, main.mapped().size() - syntax.tail.size());
+  const std::string tail = Filled(syntax.tail, ProgramName(syntax, job));
+  assert(!main.empty() && main.mapped().ends_with(tail));
+  std::string text = main.mapped().substr(0, main.mapped().size() - tail.size());
   text = Filled(syntax.called_head, called.name) + text + Filled(syntax.called_tail, called.name);
   called.files = std::move(files);
   called.files[called.name + syntax.called_ending] = std::move(text);
@@ -69,12 +72,12 @@ ProgramFiles WriteCalling(const CallingSyntax& syntax, const std::string& job,
                           const std::vector<CalledProgram>& programs) {
   const std::string name = ProgramName(syntax, job);
   std::string text = Filled(syntax.head, name);
-  for (const auto& [key, value] : header) text += Comments(key, value);
+  for (const auto& [key, value] : header) text += Comments(syntax, key, value);
   for (const CalledProgram& program : programs) {
-    for (const auto& [key, value] : program.comments) text += Comments(key, value);
+    for (const auto& [key, value] : program.comments) text += Comments(syntax, key, value);
     text += Filled(syntax.call, program.name);
   }
-  ProgramFiles files = {{name + syntax.ending, text + syntax.tail}};
+  ProgramFiles files = {{name + syntax.ending, text + Filled(syntax.closing + syntax.tail, name)}};
   for (const auto& [ending, more] : syntax.beside) files[name + ending] = Filled(more, name);
   return files;
 }
@@ -85,9 +88,9 @@ namespace {
 std::vector<std::string> ReadCalls(const CallingSyntax& syntax, const std::string& name,
                                    const std::string& text) {
   const std::string file = name + syntax.ending;
-  const std::string head = Filled(syntax.head, name);
-  std::vector<std::string_view> before = SplitLines(head), behind = SplitLines(syntax.tail);
-  const auto empty = [](std::string_view line) { return !HoldsCode(line); };
+  const std::string head = Filled(syntax.head, name), tail = Filled(syntax.closing + syntax.tail, name);
+  std::vector<std::string_view> before = SplitLines(head), behind = SplitLines(tail);
+  const auto empty = [&](std::string_view line) { return !HoldsCode(syntax, line); };
   std::erase_if(before, empty);
   std::erase_if(behind, empty);
   std::vector<std::string> calls;
@@ -130,6 +133,7 @@ std::vector<std::string> ReadCalling(const CallingSyntax& syntax, const std::str
 
 std::vector<std::string> CallsOf(const CallingSyntax& syntax, const std::string& stem,
                                  const std::string& text) {
+  if (syntax.call.empty()) return {};
   try {
     return ReadCalls(syntax, stem, text);
   } catch (const InputError&) {
@@ -138,11 +142,13 @@ std::vector<std::string> CallsOf(const CallingSyntax& syntax, const std::string&
 }
 
 std::string AsStandingAlone(const CallingSyntax& syntax, const std::string& name, const std::string& text) {
+  if (syntax.call.empty()) return text;
   const std::string head = Filled(syntax.called_head, name), tail = Filled(syntax.called_tail, name);
   std::vector<std::string> lines;
   for (const std::string_view line : SplitLines(text)) lines.emplace_back(line);
-  const auto first = std::ranges::find_if(lines, HoldsCode);
-  const auto last = std::find_if(lines.rbegin(), lines.rend(), HoldsCode);
+  const auto holds_code = [&](const std::string& line) { return HoldsCode(syntax, line); };
+  const auto first = std::ranges::find_if(lines, holds_code);
+  const auto last = std::find_if(lines.rbegin(), lines.rend(), holds_code);
   if (last == lines.rend() || !SameWords(*last, tail.substr(0, tail.find('\n'))) ||
       (!head.empty() && !SameWords(*first, head.substr(0, head.find('\n')))))
     return text;

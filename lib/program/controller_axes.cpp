@@ -12,42 +12,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kZeroAngle = 1e-9;     // rad; nearer to 0 the sign of a computed angle carries only noise
-constexpr double kDegenerate = 1e-9;    // below this cosine (or sine) the first angle carries only noise
 constexpr double kUndetermined = 1e-7;  // below this two angles may share what is left over: 6e-6 degrees
 
-/// Rotation about axis `axis` (0 x, 1 y, 2 z), the same bits on every machine.
-Matrix3d About(int axis, double angle) {
-  const SineCosine t = SinCos(angle);
-  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
-  Matrix3d R = Matrix3d::Identity();
-  R(next, next) = R(last, last) = t.cos;
-  R(last, next) = t.sin;
-  R(next, last) = -t.sin;
-  return R;
-}
-
 }  // namespace
-
-Vector3d AnglesZyx(const Matrix3d& R) {
-  const double first = Hypot(R(0, 0), R(1, 0)) > kDegenerate ? Atan2(R(1, 0), R(0, 0)) : 0.0;
-  const Matrix3d rest = About(2, -first) * R;  // = Ry·Rx
-  return {first, Atan2(-rest(2, 0), rest(0, 0)), Atan2(-rest(1, 2), rest(1, 1))};
-}
-
-Matrix3d FromAnglesZyx(const Vector3d& angles) {
-  return About(2, angles[0]) * About(1, angles[1]) * About(0, angles[2]);
-}
-
-Vector3d AnglesZxz(const Matrix3d& R) {
-  // R's third column is (sin v0·sin v1, −cos v0·sin v1, cos v1).
-  const double first = Hypot(R(0, 2), R(1, 2)) > kDegenerate ? Atan2(R(0, 2), -R(1, 2)) : 0.0;
-  const Matrix3d rest = About(2, -first) * R;  // = Rx·Rz
-  return {first, Atan2(-rest(1, 2), rest(2, 2)), Atan2(-rest(0, 1), rest(0, 0))};
-}
-
-Matrix3d FromAnglesZxz(const Vector3d& angles) {
-  return About(2, angles[0]) * About(0, angles[1]) * About(2, angles[2]);
-}
 
 // The inverse of R = Rx(a)·Ry(b)·Rz(c) is Rz(−c)·Ry(−b)·Rx(−a), which counts as rpy does.
 Vector3d ToolAngles(AngleOrder rotation, const Matrix3d& R) {
@@ -56,7 +23,8 @@ Vector3d ToolAngles(AngleOrder rotation, const Matrix3d& R) {
 }
 
 Matrix3d FromToolAngles(AngleOrder rotation, const Vector3d& abc) {
-  if (rotation == AngleOrder::kRpy2) return About(0, abc[0]) * About(1, abc[1]) * About(2, abc[2]);
+  if (rotation == AngleOrder::kRpy2)
+    return RotationAbout(0, abc[0]) * RotationAbout(1, abc[1]) * RotationAbout(2, abc[2]);
   return rotation == AngleOrder::kRpy ? FromAnglesZyx(abc.reverse()) : FromAnglesZxz(abc);
 }
 

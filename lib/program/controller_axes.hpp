@@ -4,20 +4,11 @@
 
 #include <optional>
 
-#include "program/post.hpp"
+#include "base/angles.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/post.hpp"
 
 namespace millpose {
-
-/// Three angles (rad) of R = Rz(v0)·Ry(v1)·Rx(v2): KUKA's A, B, C, and SINUMERIK's C, B, A by RPY. v1 lies in
-/// [−π/2, π/2]; where |v1| = π/2 only v0 ∓ v2 is determined and v0 is set to 0. The third angle is taken
-/// from what the first leaves over, so that the three together are exact near that place too.
-Eigen::Vector3d AnglesZyx(const Eigen::Matrix3d& R);
-Eigen::Matrix3d FromAnglesZyx(const Eigen::Vector3d& angles);
-
-/// Three angles (rad) of R = Rz(v0)·Rx(v1)·Rz(v2) (Euler): v1 in [0, π]; v0 = 0 where v1 is 0 or π.
-Eigen::Vector3d AnglesZxz(const Eigen::Matrix3d& R);
-Eigen::Matrix3d FromAnglesZxz(const Eigen::Vector3d& angles);
 
 /// Angles A, B, C (rad) of R as SINUMERIK and LinuxCNC count: rpy R = Rz(C)·Ry(B)·Rx(A), rpy2
 /// R = Rx(A)·Ry(B)·Rz(C), euler R = Rz(A)·Rx(B)·Rz(C).

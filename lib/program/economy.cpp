@@ -4,8 +4,8 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "machine/motion/line.hpp"
-#include "program/controller_axes.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/controller_axes.hpp"
 
 namespace millpose {
 namespace {

@@ -12,39 +12,39 @@ constexpr double kTipStep = 25;         // mm, between instants of an approach o
 constexpr int kRampParts = 4;           // of speeding up, and of slowing down
 
 /// A planned end of a piece: the first point, or the last.
-struct PieceEnd {
+struct SegmentEnd {
   const PassResult* pass;
   size_t point;
 };
 
-PieceEnd EndOf(const PlanResult& plan, int pass_number, int piece_number, bool last) {
+SegmentEnd EndOf(const PlanResult& plan, int pass_number, int piece_number, bool last) {
   const PassResult& pass = plan.passes[static_cast<size_t>(pass_number)];
-  const auto piece = std::ranges::find(pass.pieces, piece_number, &Piece::piece);
+  const auto piece = std::ranges::find(pass.pieces, piece_number, &Segment::piece);
   assert(piece != pass.pieces.end());
   const bool backwards = last && !piece->closed;
   int at = backwards ? piece->last : piece->first;
-  while (pass.points[static_cast<size_t>(at)].skip != Obstacle::kNone) at += backwards ? -1 : 1;
+  while (pass.points[static_cast<size_t>(at)].skip != Infeasibility::kNone) at += backwards ? -1 : 1;
   return {&pass, static_cast<size_t>(at)};
 }
 
 /// The joints there, or at home (−1).
 Joints JointsAt(const PlanResult& plan, int pass, int piece, bool last) {
   if (pass < 0) return plan.home;
-  const PieceEnd end = EndOf(plan, pass, piece, last);
+  const SegmentEnd end = EndOf(plan, pass, piece, last);
   return end.pass->points[end.point].q;
 }
 
 /// Where the external axes are there, or at home (−1).
 ExternalPosition StationOf(const PlanResult& plan, int pass, int piece, bool last) {
   if (pass < 0) return Mechanism(plan.external_axes).Home();
-  const PieceEnd end = EndOf(plan, pass, piece, last);
+  const SegmentEnd end = EndOf(plan, pass, piece, last);
   return ExternalAt(*end.pass, end.point);
 }
 
 /// The plan with a leap in place of every gap that could not be planned.
 PlanResult WithLeaps(const PlanResult& plan) {
   PlanResult whole = plan;
-  for (Gap& gap : whole.gaps) {
+  for (LinkMove& gap : whole.gaps) {
     if (gap.planned) continue;
     gap.joints = {JointsAt(plan, gap.from_pass, gap.from_piece, true),
                   JointsAt(plan, gap.to_pass, gap.to_piece, false)};
@@ -57,7 +57,7 @@ PlanResult WithLeaps(const PlanResult& plan) {
 }
 
 /// One less than the gap has corners, and one more where the external axes move.
-size_t JointMotions(const Gap& gap) { return gap.joints.size() - 1 + (gap.external ? 1 : 0); }
+size_t JointMotions(const LinkMove& gap) { return gap.joints.size() - 1 + (gap.external ? 1 : 0); }
 
 /// For every motion, whether it belongs to a gap that could not be planned. Joint motions come gap by gap;
 /// the very first goes home.
@@ -76,7 +76,7 @@ std::vector<char> FindLeaps(const PlanResult& plan, const PlanResult& whole, con
 RunPart StretchOf(const PlanResult& plan, const MotionProgram& program, size_t i) {
   const Motion& motion = program.motions[i];
   if (MovesExternal(program, i) && !HasFeed(motion)) return RunPart::kExternal;
-  if (motion.type == MotionType::kJoint) return RunPart::kGap;
+  if (motion.type == MotionType::kJoint) return RunPart::kLinkMove;
   if (motion.point < 0) return program.motions[i - 1].point >= 0 ? RunPart::kRetract : RunPart::kApproach;
   if (!IsCut(program, i)) return RunPart::kApproach;
   const PlannedPoint& point =
@@ -118,7 +118,7 @@ Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeO
   if (plan.gaps.empty()) return timeline;
   options.calls.clear();
   std::optional<PlanResult> leaping;  // a copy of the plan: made only where it differs
-  if (!std::ranges::all_of(plan.gaps, &Gap::planned)) leaping = WithLeaps(plan);
+  if (!std::ranges::all_of(plan.gaps, &LinkMove::planned)) leaping = WithLeaps(plan);
   const PlanResult& whole = leaping ? *leaping : plan;
   const MotionProgram program = MakeMotionProgram(whole, options);
   const std::vector<TimeLaw> laws = TimeMotions(program, plan.arm, times);
@@ -142,9 +142,9 @@ Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeO
     if (stretch != RunPart::kMissing && stretch != RunPart::kCut && stretch != RunPart::kLead && i > 0) {
       const double turn = (*motion.q - *program.motions[i - 1].q).cwiseAbs().maxCoeff();
       const double length = (motion.X_PT.translation() - program.motions[i - 1].X_PT.translation()).norm();
-      const double parts = stretch == RunPart::kExternal ? ExternalParts(program, i)
-                           : stretch == RunPart::kGap    ? turn / kJointStep
-                                                         : length / kTipStep;
+      const double parts = stretch == RunPart::kExternal   ? ExternalParts(program, i)
+                           : stretch == RunPart::kLinkMove ? turn / kJointStep
+                                                           : length / kTipStep;
       for (const double time : TimesWithin(laws[i], parts)) add(start + time, laws[i].Share(time));
     }
     if (stretch != RunPart::kMissing) start += laws[i].duration;

@@ -5,10 +5,10 @@
 
 #include "base/error.hpp"
 #include "machine/motion/line.hpp"
-#include "planning/result/station.hpp"
 #include "machine/robot/angles.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "machine/robot/position_between.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {
@@ -35,7 +35,7 @@ class ProgramBuilder {
 
   /// From home by a call's way to where it begins, the call, and back.
   void AddCalls(bool at_end) {
-    for (const CallWay& way : options_.calls) {
+    for (const CallTransition& way : options_.calls) {
       if ((way.call.text == "footer") != at_end) continue;
       clearance_share_ = way.clearance_share;
       for (size_t i = program_.motions.empty() ? 0 : 1; i < way.there.size(); ++i)
@@ -48,7 +48,7 @@ class ProgramBuilder {
     }
   }
 
-  void AddGap(const Gap& gap) {
+  void AddLinkMove(const LinkMove& gap) {
     assert(!gap.joints.empty());
     clearance_share_ = gap.clearance_share;
     if (gap.from_pass >= 0) {
@@ -72,9 +72,9 @@ class ProgramBuilder {
     if (gap.to_pass >= 0) AddEntry(gap);
   }
 
-  void AddPiece(const PassResult& pass, const Piece& piece) {
+  void AddSegment(const PassResult& pass, const Segment& piece) {
     int first = piece.first;
-    while (pass.points[first].skip != Obstacle::kNone) ++first;
+    while (pass.points[first].skip != Infeasibility::kNone) ++first;
     assert(first <= piece.last);
     AddApproach(pass, first);
     AddPlunge(pass, first);
@@ -82,7 +82,7 @@ class ProgramBuilder {
     clearance_share_ = 1;
     const size_t plunge = program_.motions.size() - 1;
     for (int i = first + 1; i <= piece.last; ++i) {
-      if (pass.points[i].skip == Obstacle::kNone) AddCut(pass, i);
+      if (pass.points[i].skip == Infeasibility::kNone) AddCut(pass, i);
     }
     if (piece.closed) AddClosing(pass, first);
     program_.motions.back().exact = true;
@@ -191,7 +191,7 @@ class ProgramBuilder {
   }
 
   /// Where the approach of a piece begins: a PTP with S and T, from which the piece can be entered.
-  void AddEntry(const Gap& gap) {
+  void AddEntry(const LinkMove& gap) {
     AddEvent(ProgramEvent::Kind::kPassBegin, gap.to_pass, gap.to_piece);
     Motion& entry = Add(MotionType::kJoint, gap.joints.back(), gap.to_pass, -1);
     entry.exact = true;
@@ -220,9 +220,9 @@ class ProgramBuilder {
   double clearance_share_ = 1;
 };
 
-const Piece& FindPiece(const PassResult& pass, int number) {
+const Segment& FindSegment(const PassResult& pass, int number) {
   const auto found = std::find_if(pass.pieces.begin(), pass.pieces.end(),
-                                  [&](const Piece& piece) { return piece.piece == number; });
+                                  [&](const Segment& piece) { return piece.piece == number; });
   assert(found != pass.pieces.end());
   return *found;
 }
@@ -231,7 +231,7 @@ const Piece& FindPiece(const PassResult& pass, int number) {
 
 std::string WhyNotProgrammable(const PlanResult& plan) {
   if (plan.gaps.empty()) return "no piece was planned";
-  for (const Gap& gap : plan.gaps) {
+  for (const LinkMove& gap : plan.gaps) {
     if (gap.planned) continue;
     const auto name = [](int pass, int piece) {
       return pass < 0 ? std::string("home") : fmt::format("pass {} piece {}", pass, piece);
@@ -248,15 +248,15 @@ PlanResult Lifted(PlanResult plan, double offset) {
   for (PassResult& pass : plan.passes) {
     for (size_t i = 0; i < pass.points.size(); ++i) {
       PlannedPoint& point = pass.points[i];
-      if (point.skip != Obstacle::kNone) continue;
+      if (point.skip != Infeasibility::kNone) continue;
       const auto q =
           InverseNear(plan.arm, ForwardFlange(plan.arm, point.q) * lift, Status(plan.arm, point.q), point.q);
       if (q) {
         point.q = *q;
       } else {
         problems.push_back(
-            {Place{}, fmt::format("dry run: pass {} point {} is out of reach when lifted by {} mm", pass.pass,
-                                  i, offset)});
+            {SourceLocation{}, fmt::format("dry run: pass {} point {} is out of reach when lifted by {} mm",
+                                           pass.pass, i, offset)});
       }
     }
   }
@@ -268,10 +268,10 @@ MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& opt
   assert(WhyNotProgrammable(plan).empty());
   ProgramBuilder builder(plan, options);
   builder.AddCalls(false);
-  for (const Gap& gap : plan.gaps) {
-    builder.AddGap(gap);
+  for (const LinkMove& gap : plan.gaps) {
+    builder.AddLinkMove(gap);
     if (gap.to_pass >= 0) {
-      builder.AddPiece(plan.passes[gap.to_pass], FindPiece(plan.passes[gap.to_pass], gap.to_piece));
+      builder.AddSegment(plan.passes[gap.to_pass], FindSegment(plan.passes[gap.to_pass], gap.to_piece));
     }
   }
   builder.AddCalls(true);
@@ -289,13 +289,13 @@ bool MovesExternal(const MotionProgram& program, size_t i) {
   return i > 0 && program.motions[i].external != program.motions[i - 1].external;
 }
 
-bool Rides(const MotionProgram& program, size_t i) {
+bool CoordinatedMotions(const MotionProgram& program, size_t i) {
   return HasFeed(program.motions[i]) && MovesExternal(program, i);
 }
 
-bool HasRides(const MotionProgram& program) {
+bool HasCoordinatedMotions(const MotionProgram& program) {
   for (size_t i = 1; i < program.motions.size(); ++i)
-    if (Rides(program, i)) return true;
+    if (CoordinatedMotions(program, i)) return true;
   return false;
 }
 

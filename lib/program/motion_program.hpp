@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "machine/robot/axis_convention.hpp"
 #include "planning/result/plan_result.hpp"
 #include "program/conventions.hpp"
-#include "machine/robot/axis_convention.hpp"
 
 namespace millpose {
 
@@ -38,6 +38,9 @@ struct Motion {
   Pose X_PT = Pose::Identity();  ///< target, tool in the workpiece frame; unset when read from joint angles
   std::optional<Joints> q;  ///< target angles, rad; always known when written, only if programmed when read
   std::optional<int> status, turn;  ///< S and T (bits of the controller's angles), where programmed
+  /// rad: each of the controller's angles at its end lies within a revolution above (−∞: anywhere), where
+  /// that is programmed (LS CONFIG).
+  std::optional<Joints> least = std::nullopt;
   /// Where the external axes stand at its end: one value for each of MotionProgram::external_axes.
   ExternalPosition external;
   /// The frame that the target counts in, in the robot's base as it stands then; empty: the program's.
@@ -119,6 +122,9 @@ struct MotionProgram {
   bool any_turn = false;
   bool frames_checked = false;  ///< stops before its first motion where the controller's frames are others
   bool blend_overlaps = false;  ///< motions overlap at corners; `blend` bounds the tip alone
+  /// What a rounded corner is taken to stay within, in one sentence, where the maker does not document its
+  /// path (docs/verification.md); blends are then distances. Empty: its path is known.
+  std::string corner_assumption;
   std::vector<Motion> motions;
   std::vector<ProgramEvent> events;  ///< ascending by before_motion
   std::vector<DeclaredCall> calls;   ///< that it makes, each once
@@ -138,9 +144,9 @@ inline const std::optional<Pose>& FrameOf(const MotionProgram& program, const Mo
 /// Whether the external axes move in motion `i`; where they come from before the first one is not known.
 bool MovesExternal(const MotionProgram& program, size_t i);
 /// Whether they move along a cut: in a motion with feed.
-bool Rides(const MotionProgram& program, size_t i);
+bool CoordinatedMotions(const MotionProgram& program, size_t i);
 /// Whether they do so anywhere.
-bool HasRides(const MotionProgram& program);
+bool HasCoordinatedMotions(const MotionProgram& program);
 /// Where they stand at `share` (0..1) of its way.
 ExternalPosition ExternalOf(const MotionProgram& program, size_t i, double share);
 /// The robot's base as seen from what carries the part, which stands in W with all external axes at 0.
@@ -153,7 +159,7 @@ Pose FrameAt(const MotionProgram& program, size_t i, double share);
 inline constexpr char kCompensatedNotice[] = "COMPENSATED: NOT TO BE RUN TWICE ON ONE PART";
 
 /// A call that moves the arm, made from home and back to home.
-struct CallWay {
+struct CallTransition {
   DeclaredCall call;
   std::vector<Joints> there, back;  ///< from home to where the call begins, and from where it ends to home
   double clearance_share = 1;       ///< of the cell's clearances, with which both were planned
@@ -169,7 +175,7 @@ struct MotionOptions {
   double retract_feed = 0;   ///< mm/s; 0: the feed of the last point
   double dwell = 0;          ///< s, where a piece turns back for the last time: at the bottom of a hole
   std::vector<PathOutput> outputs;
-  std::vector<CallWay> calls;  ///< that of text footer at the end, the others at the beginning
+  std::vector<CallTransition> calls;  ///< that of text footer at the end, the others at the beginning
 };
 
 /// Why no program can be made of a plan (a gap that could not be planned, nothing planned at all); empty when

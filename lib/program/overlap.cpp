@@ -10,7 +10,7 @@ AllAxes OverlapOf(const MotionProgram& program, size_t i, const OverlapCorner& c
   const Joints first = (corner.q - corner.before) / corner.in,
                second = (corner.after - corner.q) / corner.out;
   const double shorter = std::min(corner.in, corner.out);
-  if (!Rides(program, i) && !Rides(program, i + 1))
+  if (!CoordinatedMotions(program, i) && !CoordinatedMotions(program, i + 1))
     return {OverlapRounding(first, second, acceleration, shorter), {}};
   double stop = StopTime(first, second, acceleration);
   const std::vector<Motion>& motions = program.motions;

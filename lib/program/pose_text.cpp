@@ -7,13 +7,6 @@
 
 namespace millpose {
 
-Pose MakePose(const PoseSettings& settings) {
-  Pose pose = Pose::Identity();
-  pose.linear() = FromAnglesZyx(settings.abc);
-  pose.translation() = settings.position;
-  return pose;
-}
-
 std::string PoseText(const Pose& pose) {
   const Eigen::Vector3d p = pose.translation(), abc = AnglesZyx(pose.linear()) * kDegPerRad;
   return fmt::format("X {} Y {} Z {}, A {} B {} C {} (Z Y' X'')", Fixed(p.x(), 3), Fixed(p.y(), 3),

@@ -5,13 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "base/pose_settings.hpp"
 #include "machine/robot/arm.hpp"
 
 namespace millpose {
-
-/// R = Rz(A)·Ry(B)·Rx(C).
-Pose MakePose(const PoseSettings& settings);
 
 /// A pose as headers print it: "X 1.000 Y 2.000 Z 3.000, A 0.0000 B 90.0000 C 0.0000 (Z Y' X'')", angles
 /// about Z, then the new Y, then the new X; mm, degrees.

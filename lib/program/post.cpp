@@ -4,9 +4,16 @@
 namespace millpose {
 /// Defined in the controllers' own files.
 PostEntry KrlEntry(), SinumerikEntry(), LinuxCncEntry();
+PostEntry UrScriptEntry();
+PostEntry FanucEntry();
+PostEntry RapidEntry();
 
 Registry<PostEntry>& Posts() {
-  static Registry<PostEntry> posts{"controller", {KrlEntry(), SinumerikEntry(), LinuxCncEntry()}};
+  static Registry<PostEntry> posts{"controller",
+                                   {KrlEntry(), SinumerikEntry(), LinuxCncEntry(),  //
+                                    UrScriptEntry(),                                //
+                                    FanucEntry(),                                   //
+                                    RapidEntry()}};
   return posts;
 }
 

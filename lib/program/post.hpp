@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "base/error.hpp"
 #include "machine/motion/corner.hpp"
@@ -53,30 +54,31 @@ struct FrameTexts {
   std::vector<std::pair<std::string, std::string>> more;  ///< key, value
 };
 
-/// How a controller's main program calls others; {name} is the program's. What the last line of `head` and
-/// `tail` is stands in every program of the controller.
+/// How a controller's main program calls others; {name} is the program's. Without `call` none can. What the
+/// last line of `head` and `tail` is stands in every program of the controller.
 struct CallingSyntax {
-  size_t longest = 24, letters = 1;                ///< of names, see LegalName()
-  std::string ending = {};                         ///< of main programs
-  std::string head = {}, call = {}, tail = {};     ///< each line with its end
-  std::map<std::string, std::string> beside = {};  ///< further files of a main program, by ending
-  std::string called_ending = {};                  ///< of a program that is called
-  std::string called_head = {}, called_tail = {};  ///< round its text, in place of `tail`
-  bool called_lower = false;                       ///< its name is in lower case
+  size_t longest = 24, letters = 1;                    ///< of names, see LegalName()
+  std::set<std::string> reserved = {};                 ///< names that are no program's, in lower case
+  std::string ending = {};                             ///< of main programs
+  std::string head = {}, call = {}, tail = {};         ///< each line with its end
+  std::string closing = {};                            ///< before `tail` where there is nothing but calls
+  std::map<std::string, std::string> beside = {};      ///< further files of a main program, by ending
+  std::string called_ending = {};                      ///< of a program that is called
+  std::string called_head = {}, called_tail = {};      ///< round its text, in place of `tail`
+  bool called_lower = false;                           ///< its name is in lower case
+  std::string comment_begin = "; ", comment_end = {};  ///< of comments by themselves
+  size_t comment_width = 98;                           ///< characters between
 };
 
 /// The files of one program by name, e.g. {"cabin_panel.src", …}.
 using ProgramFiles = std::map<std::string, std::string>;
-
-/// Longest line (bytes) of a motion with what may stand before it: how many fit into a file for certain.
-inline constexpr size_t kBytesPerMotion = 140;
 
 /// Writes and reads one controller's programs, and says what the controller is like. An implementation holds
 /// the options of its own and ends with its PostEntry (post_entry.hpp); its name stands in post.cpp.
 class Post {
  public:
   virtual ~Post() = default;
-  virtual std::string Name() const = 0;  ///< krl, sinumerik, linuxcnc: also the folder's name
+  virtual std::string Name() const = 0;  ///< krl, rapid, sinumerik, …: also the folder's name
   /// Of its files, that of main programs first: {".mpf", ".spf"}.
   virtual std::vector<std::string> Endings() const = 0;
 
@@ -97,12 +99,18 @@ class Post {
   virtual std::optional<AxisConvention> OwnZero() const { return std::nullopt; }
   /// Whether its programs tell configurations by those of a spherical wrist.
   virtual bool NeedsSphericalWrist() const { return true; }
+  /// Whether it moves axes beside the arm's six at all.
+  virtual bool HasExternalAxes() const { return true; }
   /// Whether programs are read from a disk as they run: no file is too long, and entries are joint angles.
   virtual bool ReadsFromDisk() const { return false; }
   /// Whether all axes, the external ones among them, run evenly from place to place of its programs, which
   /// are dense enough for that: then nothing need count in what moves along a cut.
   virtual bool MovesAllTogether() const { return false; }
   virtual double UsualCycle() const = 0;  ///< s, of interpolation as it is often set up
+  /// Whether it goes to where an approach begins by the axes' angles in any case: no turn bit counts.
+  virtual bool EntersByJoints() const { return ReadsFromDisk(); }
+  /// Longest line (bytes) of a motion with what may stand before it: how many fit into a file for certain.
+  virtual size_t BytesPerMotion() const { return 140; }
   /// What it adds to the arm's own limits.
   virtual TimeOptions Times() const { return {}; }
   /// What bounds its speed along short motions, for estimates.

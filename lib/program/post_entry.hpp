@@ -3,9 +3,9 @@
 #pragma once
 
 #include "base/registry.hpp"
+#include "base/yaml/lifted.hpp"
 #include "program/post.hpp"
 #include "program/post_keys.hpp"
-#include "base/yaml/lifted.hpp"
 
 namespace millpose {
 

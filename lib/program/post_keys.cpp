@@ -106,6 +106,49 @@ Codec<ControllerAxis> ControllerAxisFields(const std::vector<std::string>& names
   });
 }
 
+/// From counts without couplings to those with them; no unit.
+Matrix6 Coupled(const std::vector<AxisCoupling>& couplings) {
+  Matrix6 matrix = Matrix6::Identity();
+  for (const AxisCoupling& coupling : couplings)
+    matrix.row(coupling.axis - 1) += coupling.factors.transpose();
+  return matrix;
+}
+
+Codec<AxisCoupling> CouplingFields() {
+  using C = AxisCoupling;
+  return Section<C>(
+      {Key<C>("axis", MILLPOSE_AT(axis), Integer(1, 6), "Which axis counts more than itself.").Required(),
+       Key<C>("factors", MILLPOSE_AT(factors), Numbers6(kOne, Between(-10, 10)),
+              "Of the controller's six axes; 0 for the axis itself.")
+           .Required()},
+      [](const Value& value, const Context& context, C& coupling) {
+        const auto own = static_cast<size_t>(coupling.axis - 1);
+        const Value& factors = value.Find("factors")->items[own];
+        if (coupling.factors[coupling.axis - 1] != 0)
+          context.Child("factors").Child(own).Add(
+              factors.mark, fmt::format("given {}; allowed: 0, as axis {} counts itself once (axis_signs)",
+                                        factors.text, coupling.axis));
+        if (coupling.factors.isZero(0.0))
+          context.Child("factors").Add(
+              value.Find("factors")->mark,
+              "given 0 six times, which has no effect; allowed: a factor that is not 0");
+      });
+}
+
+/// Each axis once, and what can be undone.
+void CheckCouplings(const Value& list, const Context& context, const std::vector<AxisCoupling>& couplings) {
+  std::set<int> axes;
+  for (size_t i = 0; i < couplings.size(); ++i)
+    if (!axes.insert(couplings[i].axis).second)
+      context.Child(i).Child("axis").Add(list.items[i].Find("axis")->mark,
+                                         fmt::format("given {} twice; allowed: once", couplings[i].axis));
+  try {
+    AxisConvention(Coupled(couplings), Joints::Zero());
+  } catch (const std::invalid_argument&) {
+    context.Add(list.mark, "given couplings that cannot be undone: different angles would be counted alike");
+  }
+}
+
 /// No name stands twice.
 void CheckAxes(const Value& list, const Context& context) {
   std::set<std::string> names;
@@ -130,10 +173,15 @@ void CheckAscii(const Value& texts, const Context& context) {
 
 }  // namespace
 
-AxisConvention PostOptions::Axes() const {
+AxisConvention PostOptions::UncoupledAxes() const {
   std::array<double, 6> signs{1, 1, 1, 1, 1, 1};
   if (axis_signs) std::ranges::copy(*axis_signs, signs.begin());
   return AxisConvention::OfSigns(signs, axis_offsets.value_or(Joints::Zero()));
+}
+
+AxisConvention PostOptions::Axes() const {
+  return axis_couplings ? AxisConvention(Coupled(*axis_couplings), Joints::Zero()).After(UncoupledAxes())
+                        : UncoupledAxes();
 }
 
 bool IsWord(const std::string& name) {
@@ -152,7 +200,8 @@ SharedKey RotationKey() {
                 "SINUMERIK (machine data ORI), Cartesian LinuxCNC: how A, B, C are counted.");
 }
 
-constexpr const char* kAxesDefault = "KRL: KUKA's own; else as the arm counts, needed with arm.urdf";
+constexpr const char* kAxesDefault =
+    "KRL: KUKA's own; RAPID: ABB's; else as the arm counts, needed with arm.urdf";
 
 SharedKey AxisSignsKey() {
   return Key<S>("axis_signs", MILLPOSE_AT(axis_signs), Maybe(Signs()),
@@ -164,6 +213,21 @@ SharedKey AxisOffsetsKey() {
   return Key<S>("axis_offsets_deg", MILLPOSE_AT(axis_offsets), Maybe(Numbers6(kDeg, Between(-360, 360))),
                 "Controller's angle = sign × arm's angle + offset.")
       .DefaultText(kAxesDefault);
+}
+
+SharedKey AxisCouplingsKey() {
+  SharedKey key =
+      Key<S>("axis_couplings", MILLPOSE_AT(axis_couplings), Maybe(ListOf(CouplingFields())),
+             "Axes that the controller counts together, on top of signs and offsets: factors × its counts of "
+             "the other axes are added to that of `axis`. FANUC's J3, which stays when J2 moves: [{axis: 3, "
+             "factors: [0, -1, 0, 0, 0, 0]}].")
+          .DefaultText("none");
+  key.read = [read = key.read](const Value& value, const Context& context, S& options) {
+    const size_t problems_before = context.problems.size();
+    read(value, context, options);
+    if (context.problems.size() == problems_before) CheckCouplings(value, context, *options.axis_couplings);
+  };
+  return key;
 }
 
 SharedKey PathAccelerationKey() {
@@ -183,6 +247,13 @@ SharedKey BlockTimeKey() {
   return Key<S>("block_time_ms", MILLPOSE_AT(block_time), Maybe(Real(kMillisecond, Between(0.1, 1000))),
                 "Shortest time per motion, for that estimate.")
       .DefaultText("the interpolation cycle");
+}
+
+SharedKey MaxCornerKey() {
+  return Key<S>("max_corner_mm", MILLPOSE_AT(max_corner), Maybe(Real(kMm, Positive(10))),
+                "By how much a rounded corner, whose path the maker does not document, may leave the "
+                "programmed one under the assumption that programs state; without it, or beyond it, programs "
+                "are withheld. At most interference.swept_resolution_mm.");
 }
 
 SharedKey MaxMotionsKey() {

@@ -3,8 +3,8 @@
 // cells are written.
 #pragma once
 
-#include "program/post_options.hpp"
 #include "base/yaml/section.hpp"
+#include "program/post_options.hpp"
 
 namespace millpose {
 
@@ -15,10 +15,13 @@ SharedKey ToolAxisKey();
 SharedKey RotationKey();
 SharedKey AxisSignsKey();
 SharedKey AxisOffsetsKey();
+SharedKey AxisCouplingsKey();
 SharedKey PathAccelerationKey();
 /// `usual`: s, as the controller is often set up.
 SharedKey CycleKey(double usual);
 SharedKey BlockTimeKey();
+/// Of controllers whose makers do not document the path of a rounded corner.
+SharedKey MaxCornerKey();
 SharedKey MaxMotionsKey();
 SharedKey MaxKbytesKey();
 /// `names`: by which the controller can know an axis; empty: any word. `still`: whether programs state those,

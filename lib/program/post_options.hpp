@@ -20,6 +20,12 @@ struct ControllerAxis {
   bool coupled = false;  ///< the controller counts in it: its frames stay on what stands or is carried
 };
 
+/// What a controller adds to its count of one axis: factors times its own counts of the others.
+struct AxisCoupling {
+  int axis = 0;                     ///< 1…6
+  Joints factors = Joints::Zero();  ///< of the six axes; 0 for the axis itself
+};
+
 /// What more than one controller is reported in its section of the cell's `controllers:`. Every default here
 /// and only here; the keys stand in post_keys.cpp.
 struct PostOptions {
@@ -29,10 +35,13 @@ struct PostOptions {
   /// follows where it need not (SettleControllerZeros).
   std::optional<std::array<int, 6>> axis_signs;
   std::optional<Joints> axis_offsets;
-  std::optional<double> path_acceleration;  ///< mm/s², of the tip
-  std::optional<double> cycle, block_time;  ///< s, for the estimate of the speed
-  int max_motions = 1400;                   ///< per file; larger programs call sub-programs
-  int max_kbytes = 500;                     ///< per file
+  std::optional<std::vector<AxisCoupling>> axis_couplings;  ///< on top of these
+  std::optional<double> path_acceleration;                  ///< mm/s², of the tip
+  std::optional<double> cycle, block_time;                  ///< s, for the estimate of the speed
+  /// mm that a corner whose path the maker does not document may be bounded by; empty: no such corner may be.
+  std::optional<double> max_corner;
+  int max_motions = 1400;  ///< per file; larger programs call sub-programs
+  int max_kbytes = 500;    ///< per file
   std::vector<ControllerAxis> controller_axes;
   int controller_axes_line = 0;  ///< of the YAML, for later errors
   std::vector<PathOutput> outputs;
@@ -41,6 +50,8 @@ struct PostOptions {
   std::vector<DeclaredCall> calls;           ///< that texts may make
 
   /// What axis_signs and axis_offsets say; as the arm counts where they are not given.
+  AxisConvention UncoupledAxes() const;
+  /// The same with axis_couplings: how the controller counts.
   AxisConvention Axes() const;
   size_t max_bytes() const { return static_cast<size_t>(max_kbytes) * 1000; }
   /// The controller's tool frame C in T.

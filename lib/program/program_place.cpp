@@ -35,7 +35,7 @@ ProgramPlace PlaceOf(const MotionProgram& program, size_t before_motion) {
   return before.exact ? ProgramPlace::kStop : ProgramPlace::kCut;
 }
 
-void PlaceRules::Add(Place at, std::string what, size_t before_motion, Places places) {
+void PlaceRules::Add(SourceLocation at, std::string what, size_t before_motion, Places places) {
   rules_.push_back({std::move(at), std::move(what), before_motion, places});
 }
 

@@ -54,13 +54,13 @@ ProgramPlace PlaceOf(const MotionProgram& program, size_t before_motion);
 class PlaceRules {
  public:
   /// The statement `what` at `at`, read before motion `before_motion`, may stand at `places` alone.
-  void Add(Place at, std::string what, size_t before_motion, Places places);
+  void Add(SourceLocation at, std::string what, size_t before_motion, Places places);
   /// Those that stand elsewhere in the whole program.
   std::vector<Problem> Broken(const MotionProgram& program) const;
 
  private:
   struct Rule {
-    Place at;
+    SourceLocation at;
     std::string what;
     size_t before_motion;
     Places places;

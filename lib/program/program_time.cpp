@@ -8,8 +8,8 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "machine/motion/line.hpp"
-#include "program/controller_axes.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/controller_axes.hpp"
 
 namespace millpose {
 namespace {
@@ -35,7 +35,8 @@ double EvenSeconds(const MotionProgram& program, size_t i, const Arm& arm, const
   const PoseLine line(from.X_PT, to.X_PT);
   double seconds = to.feed > 0 ? line.length() / to.feed : 0;
   if (options.orientation_speed > 0) seconds = std::max(seconds, line.angle() / options.orientation_speed);
-  if (Rides(program, i)) seconds = std::max(seconds, LargestExternal(program, i, &ExternalAxis::speed));
+  if (CoordinatedMotions(program, i))
+    seconds = std::max(seconds, LargestExternal(program, i, &ExternalAxis::speed));
   const double turning = (*to.q - *from.q).cwiseAbs().cwiseQuotient(arm.speed).maxCoeff() / kTurnShare;
   return line.length() > 0 ? seconds : std::max(seconds, turning);
 }
@@ -54,11 +55,40 @@ TimeLaw ExternalLaw(const std::vector<ExternalAxis>& axes, const Motion& from, c
   return FastestLaw(delta, speed, acceleration);
 }
 
+/// The largest change (1/s) of a joint motion's share of its way at which tip and tool are no faster than
+/// they may be; infinite where nothing bounds them.
+double TipRate(const Joints& from, const Joints& to, const Pose& X_FT, const Arm& arm,
+               const TimeOptions& options) {
+  constexpr int kParts = 16;  // the tip's speed changes little within one
+  double rate = kInfinity;
+  Pose before = ForwardFlange(arm, from) * X_FT;
+  for (int i = 1; i <= kParts; ++i) {
+    const Pose tip = ForwardFlange(arm, from + (to - from) * (static_cast<double>(i) / kParts)) * X_FT;
+    const double way = (tip.translation() - before.translation()).norm() * kParts;
+    const double turn = PoseLine(before, tip).angle() * kParts;
+    if (options.way_tip_speed > 0 && way > 0) rate = std::min(rate, options.way_tip_speed / way);
+    if (options.way_turn_speed > 0 && turn > 0) rate = std::min(rate, options.way_turn_speed / turn);
+    before = tip;
+  }
+  return rate;
+}
+
+/// The axes' largest speeds in a joint motion between cuts.
+Joints WaySpeed(const MotionProgram& program, const Joints& from, const Joints& to, const Arm& arm,
+                const TimeOptions& options) {
+  const Joints speed = options.way_speed_share * arm.speed;
+  if (options.way_tip_speed <= 0 && options.way_turn_speed <= 0) return speed;
+  const double rate = TipRate(from, to, program.X_FT.value_or(Pose::Identity()), arm, options);
+  if (rate == kInfinity) return speed;
+  constexpr double kStanding = 1e-9;  // rad/s: an axis that stands bounds nothing
+  return (rate * (to - from).cwiseAbs()).cwiseMax(kStanding).cwiseMin(speed);
+}
+
 TimeLaw LawOf(const MotionProgram& program, size_t i, const Arm& arm, const TimeOptions& options) {
   const Motion &from = program.motions[i - 1], &to = program.motions[i];
   const Joints delta = *to.q - *from.q;
   if (IsWay(to)) {
-    const TimeLaw law = FastestLaw(delta, options.way_speed_share * arm.speed, arm.acceleration);
+    const TimeLaw law = FastestLaw(delta, WaySpeed(program, *from.q, *to.q, arm, options), arm.acceleration);
     if (!MovesExternal(program, i)) return law;
     const TimeLaw external = ExternalLaw(program.external_axes, from, to, options.way_speed_share);
     return external.duration > law.duration ? external : law;
@@ -66,7 +96,7 @@ TimeLaw LawOf(const MotionProgram& program, size_t i, const Arm& arm, const Time
   const double seconds = EvenSeconds(program, i, arm, options);
   if (seconds <= 0) return {};
   double ramp = (delta.cwiseAbs() / seconds).cwiseQuotient(arm.acceleration).maxCoeff();
-  if (Rides(program, i))
+  if (CoordinatedMotions(program, i))
     ramp = std::max(ramp, LargestExternal(program, i, &ExternalAxis::acceleration) / seconds);
   return FeedLaw(seconds, ramp, from.exact, to.exact);
 }

@@ -15,6 +15,8 @@ namespace millpose {
 struct TimeOptions {
   double way_speed_share = 1;    ///< of the axes' largest speeds, in joint motions between cuts
   double orientation_speed = 0;  ///< rad/s, largest turning of the tool in straight motions; 0: no such limit
+  double way_tip_speed = 0;      ///< mm/s of the tip, in joint motions between cuts; 0: no such limit
+  double way_turn_speed = 0;     ///< rad/s, turning of the tool, likewise
 };
 
 /// The time law of every motion: joint motions between cuts, and those of the external axes, as fast as the

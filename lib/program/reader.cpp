@@ -19,6 +19,11 @@ bool CallsProgram(std::string_view text, const std::string& stem) {
   for (const std::string_view line : SplitLines(text)) {
     LineScanner scan(line, "", 0);
     if (scan.AcceptAddress('N')) scan.ExpectNumber();
+    scan.Accept("CALL");
+    if (scan.Accept("%\"")) {  // RAPID, of a module that is loaded as the program runs
+      if (scan.Accept(stem) && scan.Peek() == '"') return true;
+      continue;
+    }
     if (scan.Accept(stem) && (scan.AtEnd() || scan.Peek() == '(' || scan.Peek() == ';')) return true;
   }
   return false;
@@ -66,9 +71,9 @@ std::string ProgramReader::MainFile() {
   }
   if (mains.size() == 1) return mains[0];
   if (mains.empty())
-    throw InputError(Place{}, fmt::format("no main program ending in {} given", extensions_[0]));
+    throw InputError(SourceLocation{}, fmt::format("no main program ending in {} given", extensions_[0]));
   throw InputError(
-      Place{mains[1], 1, 0, -1},
+      SourceLocation{mains[1], 1, 0, -1},
       fmt::format("one main program expected, but none of {} calls the other", fmt::join(mains, ", ")));
 }
 

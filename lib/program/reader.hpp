@@ -64,6 +64,8 @@ class ProgramReader {
   void EndFile() { ended_ = true; }
   bool InSubprogram() const { return open_.size() > 1; }
   std::string FileStem() const;
+  /// A scanner of `text`, which stands in the present line: its errors name file and line.
+  LineScanner ScannerOf(std::string_view text) const { return {text, open_.back(), line_}; }
 
   /// Whether the cell declares a call of this name.
   bool IsDeclared(const std::string& name) const;

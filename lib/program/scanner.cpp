@@ -195,7 +195,9 @@ size_t LineScanner::Next() {
   return position_;
 }
 
-Place LineScanner::PlaceOf(size_t start) const { return {file_, number_, static_cast<int>(start) + 1, -1}; }
+SourceLocation LineScanner::PlaceOf(size_t start) const {
+  return {file_, number_, static_cast<int>(start) + 1, -1};
+}
 
 std::string LineScanner::TakenFrom(size_t start) const {
   return std::string(Trim(line_.substr(start, position_ - start)));
@@ -208,7 +210,7 @@ void LineScanner::FailFrom(size_t start, const std::string& message) const {
 void LineScanner::Fail(const std::string& message) const {
   const std::string given(Trim(line_.substr(std::min(position_, line_.size()))));
   throw InputError(
-      Place{file_, number_, static_cast<int>(position_) + 1, -1},
+      SourceLocation{file_, number_, static_cast<int>(position_) + 1, -1},
       given.empty() ? message + ", but the line ends" : fmt::format("{}, but '{}' given", message, given));
 }
 

@@ -61,7 +61,7 @@ class LineScanner {
   [[noreturn]] void FailFrom(size_t start, const std::string& message) const;
   int number() const { return number_; }
   /// The place of column `start` (Next() before), and what was taken from there on.
-  Place PlaceOf(size_t start) const;
+  SourceLocation PlaceOf(size_t start) const;
   std::string TakenFrom(size_t start) const;
 
  private:

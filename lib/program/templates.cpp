@@ -93,7 +93,7 @@ std::string_view WithoutNumber(std::string_view line) {
 
 /// Whether `name` stands in `line` as a word, outside a comment that takes the whole line.
 bool HoldsWord(const std::string& line, const std::string& name) {
-  if (line.starts_with(';') || line.starts_with('(')) return false;
+  if (line.starts_with(';') || line.starts_with('(') || line.starts_with('!')) return false;
   const std::string text = Normalised(line), word = Normalised(name);
   for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
     const size_t end = at + word.size();

@@ -4,12 +4,12 @@
 #include <limits>
 
 #include "base/units.hpp"
-#include "report/page/escaped.hpp"
 #include "report/html_json.hpp"
 #include "report/packed.hpp"
+#include "report/page/escaped.hpp"
+#include "report/page/web_page.hpp"
 #include "report/view_mesh.hpp"
 #include "report/web_assets.hpp"
-#include "report/page/web_page.hpp"
 
 namespace millpose {
 namespace {
@@ -103,9 +103,9 @@ Json PathJson(const CheckHtmlInput& input, size_t limit) {
     const Pass& pass = input.toolpath->passes[p];
     for (size_t i = 0; i < pass.points.size(); ++i, ++next) {
       const PointReach& reach = input.reach.at(next);
-      if (i % stride != 0 && i + 1 != pass.points.size() && reach.best == Obstacle::kNone) continue;
+      if (i % stride != 0 && i + 1 != pass.points.size() && reach.best == Infeasibility::kNone) continue;
       const MillingPoint& point = pass.points[i];
-      const bool reached = reach.best != Obstacle::kUnreachable;
+      const bool reached = reach.best != Infeasibility::kUnreachable;
       number.push_back(next);
       pass_of.push_back(static_cast<uint32_t>(p));
       kind.push_back(static_cast<uint32_t>(point.kind));
@@ -160,12 +160,19 @@ std::string CheckHtml(const CheckHtmlInput& input, const HtmlLimits& limits) {
                   {"notes", input.notes},
                   {"text", input.text},
                   {"settings", input.settings}};
+  std::string picture;
+  if (input.wrong_side && input.cell) {
+    const Mesh none{Triangles()};
+    picture = "<figure id=\"wrong-side\" class=\"card\">" +
+              SideView(*input.cell, input.part ? *input.part : none, *input.wrong_side) + "</figure>";
+  }
   const std::string title = Escaped(input.title), text = ScriptText(data);
   return FilledPage(kWebCheckPage, {{"title", title},
                                     {"style", kWebStyle},
                                     {"license", kWebLicense},
                                     {"three", kWebThree},
                                     {"scripts", kWebCheckScripts},
+                                    {"picture", picture},
                                     {"data", text}});
 }
 

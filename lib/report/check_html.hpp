@@ -2,15 +2,16 @@
 // check.html: cell, part, tool path and reach before anything is planned, as one file (docs/check.md).
 #pragma once
 
-#include "report/html.hpp"
 #include "geometry/import/mesh_parts.hpp"
+#include "report/html.hpp"
+#include "report/side_view.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {
 
 /// What the arm can do at a point, whichever way the tool is turned about its axis and on whichever branch.
 struct PointReach {
-  Obstacle best = Obstacle::kUnreachable;  ///< kNone, kUnreachable, kLimit or kSingular
+  Infeasibility best = Infeasibility::kUnreachable;  ///< kNone, kUnreachable, kLimit or kSingular
   int axis = -1;  ///< 0…5: nearest to its limit in the pose that keeps farthest from limits; −1: none
   double reserve = 0;         ///< rad to that limit, less the job's margin; below 0: beyond it
   Joints q = Joints::Zero();  ///< that pose, where the arm reaches the point at all
@@ -25,8 +26,9 @@ struct CheckHtmlInput {
   const Toolpath* toolpath = nullptr;  ///< in W
   std::vector<PointReach> reach;       ///< of its points
   std::vector<std::string> findings, notes;
-  std::string text;      ///< what the terminal is told
-  std::string settings;  ///< as resolved, YAML
+  std::optional<WrongSide> wrong_side;  ///< of such findings the first point, for their picture
+  std::string text;                     ///< what the terminal is told
+  std::string settings;                 ///< as resolved, YAML
 };
 
 /// The page as bytes: a pure function of its input.

@@ -38,6 +38,7 @@ std::optional<CompensationFigures> FiguresOfCompensation(const PlanResult& plan)
       const Compensation& c = *point.compensation;
       figures.bounded += c.bounded;
       figures.largest_shift = std::max(figures.largest_shift, c.shift.norm());
+      figures.largest_map = std::max(figures.largest_map, std::abs(c.map));
       figures.largest_weight = std::max(figures.largest_weight, c.weight.norm());
       if (c.force.isZero(0.0)) continue;
       const Compensation::Along& d = c.normal;
@@ -58,7 +59,7 @@ std::string CompensationCsv(const PlanResult& plan) {
   for (const char* along : {"normal", "across"})
     for (const char* what : {"low", "expected", "high", "taken", "after", "worst_before", "worst_after"})
       fmt::format_to(std::back_inserter(csv), ",{}_{}_um", along, what);
-  csv += ",shift_x_um,shift_y_um,shift_z_um,weight_x_um,weight_y_um,weight_z_um,cut_to_max\n";
+  csv += ",shift_x_um,shift_y_um,shift_z_um,weight_x_um,weight_y_um,weight_z_um,cut_to_max,map_um\n";
   size_t number = 0;
   for (const PassResult& pass : plan.passes) {
     for (size_t i = 0; i < pass.points.size(); ++i) {
@@ -73,7 +74,7 @@ std::string CompensationCsv(const PlanResult& plan) {
       AppendAlong(c.across, row);
       AppendVector(kMicrometres * (R_PW * c.shift), row);
       AppendVector(-kMicrometres * (R_PW * c.weight), row);
-      csv += row + (c.bounded ? ",1\n" : ",0\n");
+      csv += row + fmt::format(",{},{:.17g}\n", c.bounded ? 1 : 0, kMicrometres * c.map);
     }
   }
   return csv;
@@ -99,6 +100,9 @@ std::string CompensationText(const CompensationFigures& f) {
   if (f.largest_weight > 0)
     fmt::format_to(out, "  of the shift, at most {:.1f} µm are the arm's own weight\n",
                    kMicrometres * f.largest_weight);
+  if (f.largest_map > 0)
+    fmt::format_to(out, "  of the shift, at most {:.1f} µm follow the map of a measured part\n",
+                   kMicrometres * f.largest_map);
   for (const CarriedBy& program : f.programs)
     fmt::format_to(out, "  {}: its program carries it to within {:.2g} µm\n", program.controller,
                    kMicrometres * program.largest);

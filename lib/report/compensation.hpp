@@ -23,6 +23,7 @@ struct CompensationFigures {
   size_t bounded = 0;         ///< of all, those whose shift is cut to compensation.max_mm
   double largest_shift = 0;   ///< of the tip, whole
   double largest_weight = 0;  ///< of it, weight's
+  double largest_map = 0;     ///< of it, the error map's
   double expected_before = 0, expected_after = 0;  ///< the largest
   double worst_before = 0, worst_after = 0;        ///< the largest that force and stiffness may make
   /// Median of |error after ÷ before| where something is taken out, over arms and forces within the bounds.
@@ -39,7 +40,8 @@ bool CouldHurt(const Compensation::Along& deflection);
 
 /// One row per compensated point: point,pass, the force in P (N), along the normal and across it (µm) what is
 /// expected, between which values it lies, what is taken out, what remains at worst before and after, the
-/// shift of the tip and weight's share of it in P (µm), and whether the shift was cut to compensation.max_mm.
+/// shift of the tip and weight's share of it in P (µm), whether the shift was cut to
+/// compensation.max_mm, and what an error map takes out along the normal (µm).
 std::string CompensationCsv(const PlanResult& plan);
 
 /// The lines of the terminal's summary.

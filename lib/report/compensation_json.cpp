@@ -15,6 +15,7 @@ nlohmann::ordered_json CompensationJson(const CompensationFigures& f) {
           {"cut_to_max", f.bounded},
           {"largest_shift_um", kMicrometres * f.largest_shift},
           {"largest_weight_um", kMicrometres * f.largest_weight},
+          {"largest_map_um", kMicrometres * f.largest_map},
           {"normal",
            {{"expected_before_um", kMicrometres * f.expected_before},
             {"expected_after_um", kMicrometres * f.expected_after},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/deflection.hpp"
 
+#include "base/trig.hpp"
 #include "planning/result/station.hpp"
 
 namespace millpose {
@@ -20,11 +21,20 @@ struct Standing {
   std::vector<SeriesCompliance> beside;  ///< the joints
 };
 
+/// The largest |nᵀcF′| over all F′ within the bounds, as objective surface_error has it; g = c·n, mm.
+double LargestAlong(const Eigen::Vector3d& g, const Eigen::Vector3d& force, const ForceDoubt& bounds) {
+  const double whole = g.norm() * force.norm(), along = std::abs(g.dot(force));
+  const double beside = std::sqrt(std::max(0.0, whole * whole - along * along));
+  const SineCosine off = SinCos(bounds.angle);
+  return (1 + bounds.length) * (along >= whole * off.cos ? whole : along * off.cos + beside * off.sin);
+}
+
 }  // namespace
 
 DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& heaviest,
-                                    const std::vector<SeriesCompliance>& compliances, int finished_from) {
-  DeflectionReport report{heaviest, {}, std::nullopt};
+                                    const std::vector<SeriesCompliance>& compliances, int finished_from,
+                                    const ForceDoubt& bounds) {
+  DeflectionReport report{heaviest, {}, std::nullopt, bounds};
   const Eigen::Vector3d origin = plan.stiffness_origin == StiffnessOrigin::kFlange
                                      ? Eigen::Vector3d::Zero()
                                      : Eigen::Vector3d(plan.X_FT.translation());
@@ -36,7 +46,7 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
       const PlannedPoint& planned = pass.points[i];
       const size_t here = number++;
       const MillingPoint& point = planned.point;
-      if (planned.skip != Obstacle::kNone || point.kind != PointKind::kCut) continue;
+      if (planned.skip != Infeasibility::kNone || point.kind != PointKind::kCut) continue;
       if (planned.external) at = Standing(plan, compliances, *planned.external);
       const auto& [R_BW, R_PB, to_zero, beside] = at;
       const Matrix6 C = Compliance(Jacobian(plan.arm, planned.q, origin), plan.arm.stiffness) +
@@ -45,10 +55,11 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
       const Eigen::Vector3d force = R_BW * point.engagement.force;
       const PredictedDeflection deflection =
           PredictDeflection(c, force, R_BW * point.normal, R_BW * point.feed);
-      report.points.push_back(
-          {here, pass.pass, point.engagement, R_PB * force, deflection, R_PB * (c * force)});
-      if (pass.pass >= finished_from && point.engagement.side != CutSide::kAir)
-        face.push_back({to_zero * point.position, pass.pass, deflection.normal});
+      const bool of_face = pass.pass >= finished_from && point.engagement.side != CutSide::kAir;
+      report.points.push_back({here, pass.pass, point.engagement, R_PB * force, deflection,
+                               R_PB * (c * force), LargestAlong(c * (R_BW * point.normal), force, bounds),
+                               of_face});
+      if (of_face) face.push_back({to_zero * point.position, pass.pass, deflection.normal});
     }
   }
   report.face = OverFace(face);

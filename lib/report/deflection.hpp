@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "machine/stiffness/series.hpp"
 #include "planning/result/plan_result.hpp"
 #include "toolpath/engagement/process_force.hpp"
-#include "machine/stiffness/series.hpp"
 
 namespace millpose {
 
@@ -20,6 +20,13 @@ struct DeflectedPoint {
   Eigen::Vector3d force;           ///< the engagement's, in P, N
   PredictedDeflection deflection;  ///< mm
   Eigen::Vector3d moved;           ///< the same vector in P, mm
+  double largest_normal = 0;       ///< along the normal under any force within the bounds, mm
+  bool face = false;               ///< it leaves the finished face
+};
+
+/// How sure a force is: up to a share longer than computed, up to an angle (rad) off.
+struct ForceDoubt {
+  double length = 0, angle = 0;
 };
 
 /// The force on a plan's points and what it moves. Deflections hold at the plan's stiffness origin.
@@ -27,6 +34,7 @@ struct DeflectionReport {
   CuttingForce force;                  ///< where the mean force is greatest
   std::vector<DeflectedPoint> points;  ///< planned cut points in the plan's order
   std::optional<FaceDeflection> face;  ///< of the finished face; empty for fewer than 3 points
+  ForceDoubt bounds;                   ///< as handed
 };
 
 /// What every report says about the figures.
@@ -37,7 +45,8 @@ inline constexpr char kDeflectionModel[] =
 /// `finished_from` is the first pass of the layer that leaves the finished face: earlier layers are cut away
 /// again and do not count in `face`, nor do points in air. `heaviest` is passed on.
 DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& heaviest,
-                                    const std::vector<SeriesCompliance>& compliances, int finished_from = 0);
+                                    const std::vector<SeriesCompliance>& compliances, int finished_from = 0,
+                                    const ForceDoubt& bounds = {});
 
 /// point,pass,side,width_mm,depth_mm,force_x_N … (in P),x_um … (in P),normal_um,feed_um,across_um,length_um;
 /// 17 significant digits.

@@ -21,7 +21,7 @@ std::optional<PaperFigures> FiguresOfPaper(const PlanResult& plan) {
         ++figures.searched;
         figures.within_tolerance += answer.within_tolerance;
         figures.usable += point.genetic_optimum > 0;
-        figures.on_path += point.skip == Obstacle::kNone && point.from_genetic;
+        figures.on_path += point.skip == Infeasibility::kNone && point.from_genetic;
         position.push_back(answer.position_error);
         angle.push_back(answer.angle_error);
         if (answer.within_tolerance && point.own_optimum > 0 && std::isfinite(answer.objective))
@@ -57,7 +57,7 @@ PlanFigures Figures(const PlanResult& plan) {
     figures.pieces += pass.pieces.size();
     for (const PlannedPoint& point : pass.points) {
       ++figures.total;
-      if (point.skip != Obstacle::kNone) continue;
+      if (point.skip != Infeasibility::kNone) continue;
       t1.push_back(point.indices.lambda_t1);
       t2.push_back(point.indices.lambda_t2);
       n.push_back(point.indices.lambda_n);
@@ -67,7 +67,7 @@ PlanFigures Figures(const PlanResult& plan) {
       ++figures.planned;
     }
   }
-  for (const Gap& gap : plan.gaps) {
+  for (const LinkMove& gap : plan.gaps) {
     figures.poses_checked += gap.poses_checked;
     if (!gap.planned) continue;
     ++figures.gaps_planned;

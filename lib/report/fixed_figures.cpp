@@ -5,6 +5,9 @@
 
 #include <algorithm>
 
+#include "base/units.hpp"
+#include "report/lost_motion.hpp"
+
 namespace millpose {
 namespace {
 
@@ -46,6 +49,32 @@ std::vector<FixedFigure> FixedFigures(const std::vector<PointFigures>& plan,
 std::string FixedRatios(const FixedFigure& figure) {
   return fmt::format("worst {}, median {}", Ratio(figure.plan_worst, figure.fixed_worst),
                      Ratio(figure.plan_median, figure.fixed_median));
+}
+
+std::string FixedReversals(const GearTally& plan, const GearTally& fixed, bool known) {
+  return fmt::format("reversals {} / {}; marks {} / {}", plan.Turns(), fixed.Turns(), MarksText(plan, known),
+                     MarksText(fixed, known));
+}
+
+std::vector<NamedChoice> NamedChoices(const FixedComparison& fixed) {
+  std::vector<NamedChoice> named;
+  const auto degrees = [](const FixedChoice& job) {
+    return fmt::format("{:.0f} deg", RadToDeg(job.rotations.at(0)));
+  };
+  const std::string by_sum =
+      fmt::format("by its sum within {:.0f} % of the best worst value", 100 * kNearBest);
+  if (!fixed.job.points.empty()) {
+    named.push_back({"the best single rotation of the job, " + degrees(fixed.job), &fixed.job});
+    if (fixed.job_by_sum.rotations != fixed.job.rotations)
+      named.push_back(
+          {fmt::format("the job's best {}, {}", by_sum, degrees(fixed.job_by_sum)), &fixed.job_by_sum});
+  }
+  if (!fixed.passes.points.empty()) {
+    named.push_back({"the best rotation of each pass", &fixed.passes});
+    if (fixed.passes_by_sum.rotations != fixed.passes.rotations)
+      named.push_back({fmt::format("each pass's best {}", by_sum), &fixed.passes_by_sum});
+  }
+  return named;
 }
 
 }  // namespace millpose

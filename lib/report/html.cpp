@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/html.hpp"
 
-#include "report/page/escaped.hpp"
 #include "report/html_data.hpp"
-#include "report/web_assets.hpp"
+#include "report/page/escaped.hpp"
 #include "report/page/web_page.hpp"
+#include "report/web_assets.hpp"
 
 namespace millpose {
 std::string ReportHtml(const HtmlInput& input, const HtmlLimits& limits) {

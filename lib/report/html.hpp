@@ -11,7 +11,10 @@
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
 #include "planning/result/timeline.hpp"
+#include "report/budget.hpp"
 #include "report/deflection.hpp"
+#include "report/face_report.hpp"
+#include "report/lost_motion.hpp"
 
 namespace millpose {
 
@@ -22,7 +25,7 @@ struct PointCurves {
   int point = 0;  ///< index into its points
   std::vector<std::array<double, 8>>
       objective;  ///< per rotation and branch, unit of the objective; infinite where there is none
-  std::vector<std::array<Obstacle, 8>> state;  ///< of the pose, per rotation and branch
+  std::vector<std::array<Infeasibility, 8>> state;  ///< of the pose, per rotation and branch
   std::vector<std::array<uint8_t, 8>> beyond;  ///< the joint farthest beyond its limits, 0…5, where one is
   std::vector<double> best, mean;              ///< per generation, unit of the objective
 };
@@ -80,16 +83,19 @@ struct HtmlInput {
   const PlanResult& plan;
   const Cell& cell;  ///< its bodies, the workpiece among them, are drawn
   RotationGrid grid;
-  std::vector<PackedCurve> curves;               ///< of all points or of some; by pass and point
-  std::string settings;                          ///< job and cell as resolved, YAML
-  const DeflectionReport* deflection = nullptr;  ///< when the job says what the cutter takes off
-  std::vector<std::string> findings = {};        ///< what stands in the way of trust, one sentence each
-  std::vector<std::string> warnings = {};        ///< repairs of the mesh, doubtful units
-  std::vector<ControllerTime> times = {};        ///< of every program
-  const FixedComparison* fixed = nullptr;        ///< beside the best fixed rotation
-  const AxisMap* map = nullptr;                  ///< of `curves`
-  const Timeline* timeline = nullptr;            ///< of the plan
-  const NearestPairs* nearest = nullptr;         ///< of the points shown
+  std::vector<PackedCurve> curves;                ///< of all points or of some; by pass and point
+  std::string settings;                           ///< job and cell as resolved, YAML
+  const DeflectionReport* deflection = nullptr;   ///< when the job says what the cutter takes off
+  std::vector<std::string> findings = {};         ///< what stands in the way of trust, one sentence each
+  std::vector<std::string> warnings = {};         ///< repairs of the mesh, doubtful units
+  std::vector<ControllerTime> times = {};         ///< of every program
+  const FixedComparison* fixed = nullptr;         ///< beside the best fixed rotation
+  const AxisMap* map = nullptr;                   ///< of `curves`
+  const Timeline* timeline = nullptr;             ///< of the plan
+  const NearestPairs* nearest = nullptr;          ///< of the points shown
+  const LostMotionReport* lost_motion = nullptr;  ///< of the plan
+  const Budget* budget = nullptr;                 ///< of the face's error
+  const FaceReport* face = nullptr;               ///< where it was asked for
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

@@ -19,7 +19,8 @@ constexpr size_t kWorstKept = 50;  // of every column, when points are thinned
 /// motion.
 std::optional<Joints> SpeedBetween(const PlannedPoint& from, const PlannedPoint& to) {
   const double way = to.point.arc_length - from.point.arc_length;
-  const bool joined = from.skip == Obstacle::kNone && to.skip == Obstacle::kNone && from.piece == to.piece;
+  const bool joined =
+      from.skip == Infeasibility::kNone && to.skip == Infeasibility::kNone && from.piece == to.piece;
   if (!joined || !(way > 0) || !(to.point.feed_rate > 0)) return std::nullopt;
   return (to.q - from.q) * (to.point.feed_rate / way);
 }
@@ -52,7 +53,7 @@ class Collector {
     for (const PassResult& pass : plan_.passes) {
       for (size_t i = 0; i < pass.points.size(); ++i) {
         const std::optional<double> v =
-            pass.points[i].skip == Obstacle::kNone ? value(pass, i) : std::optional<double>();
+            pass.points[i].skip == Infeasibility::kNone ? value(pass, i) : std::optional<double>();
         column.values.push_back(v && std::isfinite(*v) ? static_cast<float>(*v) : kNone);
       }
     }
@@ -211,6 +212,36 @@ void AddCompensation(const PlanResult& plan, Collector& c) {
         });
 }
 
+/// Marks where joints turn back, and what lost motion leaves of the tip along the normal.
+void AddLostMotion(const PlanResult& plan, const LostMotionReport& report,
+                   std::vector<ReportColumn>& columns) {
+  const bool known = report.Known();
+  ReportColumn marks{.key = "reversal",
+                     .symbol = "mark",
+                     .label = "Marks of joints that turn back, along the normal",
+                     .unit = known ? "µm" : "µm/arcmin",
+                     .worse = Worse::kHigh,
+                     .values = {},
+                     .bound = {}};
+  for (const bool of_face : report.course.face) marks.values.push_back(of_face ? 0 : kNone);
+  for (const GearMark& mark : report.course.marks)
+    if (mark.crosses)
+      marks.values[mark.point] += static_cast<float>(
+          1e3 * HeightOf(mark, report.model).value_or(HeightPerUnit(mark, plan.external_axes)));
+  columns.push_back(std::move(marks));
+  if (!known) return;
+  ReportColumn errors{.key = "lost_motion",
+                      .symbol = "e",
+                      .label = "Displacement along the normal by lost motion",
+                      .unit = "µm",
+                      .worse = Worse::kNeither,
+                      .values = {},
+                      .bound = {}};
+  for (const std::optional<double>& error : report.course.errors)
+    errors.values.push_back(error ? static_cast<float>(1e3 * *error) : kNone);
+  columns.push_back(std::move(errors));
+}
+
 /// Marks the worst points of a column.
 void KeepWorst(const ReportColumn& column, std::vector<char>& keep) {
   std::vector<uint32_t> order;
@@ -233,13 +264,15 @@ std::string ShownUnit(const std::string& unit) {
 }
 double ShownScale(const std::string& unit) { return unit == "mm/N" || unit == "mm" ? 1e3 : 1; }
 
-std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const DeflectionReport* deflection) {
+std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const DeflectionReport* deflection,
+                                        const LostMotionReport* lost_motion) {
   Collector collector(plan);
   AddStiffness(plan, collector);
   AddMotion(plan, collector);
   AddCompensation(plan, collector);
   std::vector<ReportColumn> columns = collector.Take();
   if (deflection) AddDeflection(plan, *deflection, columns);
+  if (lost_motion) AddLostMotion(plan, *lost_motion, columns);
   return columns;
 }
 

@@ -7,6 +7,7 @@
 
 #include "planning/result/plan_result.hpp"
 #include "report/deflection.hpp"
+#include "report/lost_motion.hpp"
 
 namespace millpose {
 
@@ -27,9 +28,10 @@ struct ReportRow {
   uint32_t number = 0;
 };
 
-/// All columns of a plan, one value per point of the job in order; those of the deflection where there is
-/// one.
-std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const DeflectionReport* deflection = nullptr);
+/// All columns of a plan, one value per point of the job in order; those of the deflection and of reversals
+/// where they are given.
+std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const DeflectionReport* deflection = nullptr,
+                                        const LostMotionReport* lost_motion = nullptr);
 
 /// The points to show: all of them, or, where there are more than `limit`, every k-th of a pass with the ends
 /// of its pieces and the worst points of every column.

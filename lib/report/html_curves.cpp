@@ -22,7 +22,7 @@ PackedCurve PackCurve(const PointCurves& curves) {
     for (size_t i = 0; i < count; ++i) {
       double value = std::numeric_limits<double>::infinity();
       for (const size_t branch : {arm, arm + 4})
-        if (curves.state[i][branch] != Obstacle::kUnreachable)
+        if (curves.state[i][branch] != Infeasibility::kUnreachable)
           value = std::min(value, curves.objective[i][branch]);
       values.push_back(value);
       if (!std::isfinite(value)) continue;

@@ -110,7 +110,7 @@ Json SkippedJson(const PlanResult& plan, size_t limit) {
   uint32_t number = 0;
   for (const PassResult& pass : plan.passes) {
     for (const PlannedPoint& p : pass.points) {
-      if (p.skip != Obstacle::kNone) {
+      if (p.skip != Infeasibility::kNone) {
         if (list.size() < limit)
           list.push_back(
               {{"point", number}, {"pass", pass.pass}, {"reason", ToString(p.skip)}, {"detail", p.detail}});
@@ -121,10 +121,10 @@ Json SkippedJson(const PlanResult& plan, size_t limit) {
   return {{"reasons", SkippedByReason(plan)}, {"rows", list}};
 }
 
-Json GapsJson(const PlanResult& plan) {
+Json LinkMovesJson(const PlanResult& plan) {
   Json told = Json::array();
   size_t planned = 0;
-  for (const Gap& gap : plan.gaps) {
+  for (const LinkMove& gap : plan.gaps) {
     planned += gap.planned;
     if (gap.planned && gap.detail.empty()) continue;
     told.push_back({{"from_pass", gap.from_pass},
@@ -141,7 +141,7 @@ Json CountsJson(const PlanResult& plan, size_t shown) {
   size_t total = 0, skipped = 0;
   for (const PassResult& pass : plan.passes) {
     total += pass.points.size();
-    for (const PlannedPoint& p : pass.points) skipped += p.skip != Obstacle::kNone;
+    for (const PlannedPoint& p : pass.points) skipped += p.skip != Infeasibility::kNone;
   }
   return {{"total", total}, {"planned", total - skipped}, {"skipped", skipped}, {"shown", shown}};
 }
@@ -179,24 +179,33 @@ Json FixedJson(const HtmlInput& input) {
   if (!input.fixed) return nullptr;
   const FixedComparison& fixed = *input.fixed;
   Json sentences = Json::array();
-  const auto add = [&](const std::vector<PointFigures>& figures, const std::string& name,
-                       const std::string& why) {
-    if (figures.empty()) {
-      sentences.push_back(fmt::format("{}: none serves all points ({}).", name, why));
-      return;
-    }
-    std::string sentence = fmt::format("{}, plan ÷ fixed:", name);
-    for (const FixedFigure& figure : FixedFigures(fixed.plan, figures))
+  for (const auto& [name, choice] : NamedChoices(fixed)) {
+    std::string sentence = fmt::format("Plan ÷ {}:", name);
+    for (const FixedFigure& figure : FixedFigures(fixed.plan, choice->points))
       sentence += fmt::format(" {} {};", figure.label, FixedRatios(figure));
-    sentence.back() = '.';
-    sentences.push_back(sentence);
+    const bool known = input.lost_motion != nullptr && input.lost_motion->Known();
+    sentences.push_back(
+        fmt::format("{} {}.", sentence, FixedReversals(fixed.plan_gears, choice->gears, known)));
+  }
+  const auto none = [&](const char* what, const std::string& why) {
+    sentences.push_back(fmt::format("{}: none serves all points ({}).", what, why));
   };
-  add(fixed.job,
-      fixed.job.empty() ? std::string("Single rotation of the job")
-                        : fmt::format("Best single rotation of the job ({:.0f}°)", RadToDeg(fixed.rotation)),
-      fixed.job_in_the_way);
-  add(fixed.passes, "Best rotation of each pass", fixed.passes_in_the_way);
+  if (fixed.job.points.empty()) none("Single rotation of the job", fixed.job_in_the_way);
+  if (fixed.passes.points.empty()) none("Rotation of each pass", fixed.passes_in_the_way);
   return sentences;
+}
+
+/// The budget of the face's error as rows of texts; null where it was not asked for.
+Json BudgetRows(const Budget* budget) {
+  if (budget == nullptr) return nullptr;
+  Json rows = Json::array();
+  for (const BudgetRow& row : budget->rows)
+    rows.push_back(
+        {row.name, row.largest ? fmt::format("{:.3g}", 1e3 * *row.largest) : "not stated", row.basis});
+  const std::vector<std::string> left_out = budget->LeftOut();
+  rows.push_back({"sum of what is stated", fmt::format("{:.3g}", 1e3 * budget->Sum()),
+                  left_out.empty() ? "" : fmt::format("leaves out {}", fmt::join(left_out, ", "))});
+  return rows;
 }
 
 /// What the path costs against each point's own best pose, line by line.
@@ -237,7 +246,7 @@ Json TimesJson(const HtmlInput& input) {
 
 std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
   const PlanResult& plan = input.plan;
-  const std::vector<ReportColumn> columns = ReportColumns(plan, input.deflection);
+  const std::vector<ReportColumn> columns = ReportColumns(plan, input.deflection, input.lost_motion);
   const std::vector<ReportRow> rows = RowsToShow(plan, columns, limits.points);
   const Layout layout = LayEndToEnd(plan);
   Json data{{"format", 1},
@@ -262,12 +271,15 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"timeline", TimelineJson(input, rows)},
             {"nearest", NearestJson(input, rows)},
             {"skipped", SkippedJson(plan, limits.skipped_rows)},
-            {"gaps", GapsJson(plan)},
+            {"gaps", LinkMovesJson(plan)},
             {"findings", input.findings},
             {"warnings", input.warnings},
             {"times", TimesJson(input)},
             {"deflection", DeflectionJson(input.deflection)},
+            {"reversals", input.lost_motion ? Json(LostMotionText(plan, *input.lost_motion)) : Json(nullptr)},
+            {"budget", BudgetRows(input.budget)},
             {"fixed", FixedJson(input)},
+            {"face", FaceMapJson(input)},
             {"price", PriceJson(plan)},
             {"paper", PaperJson(plan)},
             {"settings", input.settings}};

@@ -40,4 +40,7 @@ Json NearestJson(const HtmlInput& input, const std::vector<ReportRow>& rows);
 /// What bars the poses of the points that have curves, and the optima of the rows; null without a map.
 Json MapJson(const HtmlInput& input, const std::vector<ReportRow>& rows);
 
+/// The map of the face, the plan's beside the fixed rotation's; null where it was not asked for.
+Json FaceMapJson(const HtmlInput& input);
+
 }  // namespace millpose::html

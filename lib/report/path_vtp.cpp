@@ -48,7 +48,7 @@ class ArrayWriter {
   template <class Get>
   void PoseNumbers(std::string name, Get get) {
     Numbers(std::move(name), [get](const PlannedPoint& point) {
-      return point.skip == Obstacle::kNone ? static_cast<double>(get(point)) : 0.0;
+      return point.skip == Infeasibility::kNone ? static_cast<double>(get(point)) : 0.0;
     });
   }
   template <class Get>
@@ -95,7 +95,7 @@ struct Cells {
 Cells Skipped(const std::vector<const PlannedPoint*>& points) {
   Cells cells;
   for (size_t i = 0; i < points.size(); ++i) {
-    if (points[i]->skip == Obstacle::kNone) continue;
+    if (points[i]->skip == Infeasibility::kNone) continue;
     cells.connectivity.push_back(i);
     cells.offsets.push_back(cells.connectivity.size());
   }
@@ -106,7 +106,7 @@ Cells Pieces(const PlanResult& plan) {
   Cells cells;
   size_t first_of_pass = 0;
   for (const PassResult& pass : plan.passes) {
-    for (const Piece& piece : pass.pieces) {
+    for (const Segment& piece : pass.pieces) {
       for (int i = piece.first; i <= piece.last; ++i)
         cells.connectivity.push_back(first_of_pass + static_cast<size_t>(i));
       if (piece.closed) cells.connectivity.push_back(first_of_pass + static_cast<size_t>(piece.first));
@@ -135,7 +135,7 @@ void AddPointData(const PlanResult& plan, ArrayWriter* out) {
     }
   out->Indices("point", numbers);
   out->Indices("pass", passes);
-  out->Numbers("planned", [](P p) { return p.skip == Obstacle::kNone ? 1.0 : 0.0; });
+  out->Numbers("planned", [](P p) { return p.skip == Infeasibility::kNone ? 1.0 : 0.0; });
   out->Numbers("skip_reason", [](P p) { return static_cast<double>(p.skip); });
   out->PoseNumbers("piece", [](P p) { return p.piece; });
   out->Numbers("s_mm", [](P p) { return p.point.arc_length; });

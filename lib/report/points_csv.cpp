@@ -94,7 +94,7 @@ void AppendCommanded(const PlannedPoint& planned, Row* row) {
 void AppendRow(const PassResult& pass, const PlannedPoint& planned, size_t number, bool commanded,
                std::string& csv) {
   const MillingPoint& point = planned.point;
-  const bool skipped = planned.skip != Obstacle::kNone;
+  const bool skipped = planned.skip != Infeasibility::kNone;
   Row row(csv);
   row.Whole(number).Whole(static_cast<size_t>(pass.pass));
   row.Text(skipped ? "" : std::to_string(planned.piece));
@@ -121,13 +121,13 @@ std::string EndOfRow(const std::vector<ExternalAxis>& axes, const ExternalPositi
   for (size_t i = 0; i < axes.size(); ++i)
     fmt::format_to(std::back_inserter(text), ",{:.17g}",
                    axes[i].kind == AxisKind::kLinear ? external[i] : RadToDeg(external[i]));
-  return text + '\n';
+  return text;
 }
 
 void AppendLean(const PlanResult& plan, const PlannedPoint& planned, const CutterShape& cutter,
                 std::string& csv) {
   constexpr double kMetresPerMinute = 60e-3;  // of a mm/s
-  if (planned.skip != Obstacle::kNone) {
+  if (planned.skip != Infeasibility::kNone) {
     csv.append(cutter.IsBall() ? 3 : 2, ',');
     return;
   }
@@ -141,9 +141,43 @@ void AppendLean(const PlanResult& plan, const PlannedPoint& planned, const Cutte
   row.Number(2 * kPi * radius * plan.spindle_speed * kMetresPerMinute);
 }
 
+// What marks of a gear are told in.
+double MarkShown(const LostMotionReport& lost, const GearMark& mark, const std::vector<ExternalAxis>& axes) {
+  return 1e3 * HeightOf(mark, lost.model).value_or(HeightPerUnit(mark, axes));
+}
+
+std::string LostMotionHeader(const LostMotionReport& lost, const std::vector<ExternalAxis>& axes) {
+  std::string header;
+  for (size_t i = 0; i < 6 + axes.size(); ++i) {
+    const bool linear = i >= 6 && axes[i - 6].kind == AxisKind::kLinear;
+    fmt::format_to(std::back_inserter(header), ",mark_{}{}_um{}", i < 6 ? 'a' : 'e', i < 6 ? i + 1 : i - 5,
+                   lost.model.known[i] ? ""
+                   : linear            ? "_per_um"
+                                       : "_per_arcmin");
+  }
+  return header + ",lost_motion_um";
+}
+
+void AppendLostMotion(const LostMotionReport& lost, const std::vector<ExternalAxis>& axes, size_t number,
+                      std::string& csv) {
+  std::array<std::optional<double>, kMostGears> marks;
+  const std::vector<GearMark>& all = lost.course.marks;
+  for (auto mark = std::ranges::lower_bound(all, number, {}, &GearMark::point);
+       mark != all.end() && mark->point == number; ++mark)
+    marks[static_cast<size_t>(mark->gear)] = MarkShown(lost, *mark, axes);
+  const auto cell = [&](const std::optional<double>& value) {
+    csv += ',';
+    if (value) fmt::format_to(std::back_inserter(csv), "{:.17g}", *value);
+  };
+  for (size_t i = 0; i < 6 + axes.size(); ++i) cell(marks[i]);
+  const std::optional<double>& error = lost.course.errors[number];
+  cell(error ? std::optional(1e3 * *error) : std::nullopt);
+}
+
 }  // namespace
 
-void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, int threads, const ByteSink& sink) {
+void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, const LostMotionReport* lost_motion,
+                    int threads, const ByteSink& sink) {
   const bool commanded = FiguresOfCompensation(plan).has_value(), leans = HasLeans(plan);
   sink(kHeader);
   if (commanded) sink(kCommandedHeader);
@@ -152,6 +186,7 @@ void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, int threa
   const std::vector<ExternalAxis>& axes = plan.external_axes;
   for (size_t i = 0; i < axes.size(); ++i)
     sink(fmt::format(",e{}_{}", i + 1, axes[i].kind == AxisKind::kLinear ? "mm" : "deg"));
+  if (lost_motion) sink(LostMotionHeader(*lost_motion, axes));
   sink("\n");
   std::vector<size_t> first_numbers;
   size_t total = 0;
@@ -167,7 +202,9 @@ void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, int threa
       std::string row;
       AppendRow(pass, pass.points[i], first_numbers[p] + i, commanded, row);
       if (leans) AppendLean(plan, pass.points[i], cutter, row);
-      csv += row + (pass.points[i].external ? EndOfRow(axes, *pass.points[i].external) : standing);
+      row += pass.points[i].external ? EndOfRow(axes, *pass.points[i].external) : standing;
+      if (lost_motion) AppendLostMotion(*lost_motion, axes, first_numbers[p] + i, row);
+      csv += row + '\n';
     }
     return csv;
   };

@@ -9,15 +9,27 @@
 #include "base/byte_sink.hpp"
 #include "planning/result/continuity.hpp"
 #include "planning/result/cycle_time.hpp"
+#include "planning/result/face_choice.hpp"
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
 #include "planning/result/price.hpp"
+#include "report/budget.hpp"
 #include "report/compensation.hpp"
 #include "report/deflection.hpp"
+#include "report/face_report.hpp"
+#include "report/lost_motion.hpp"
+#include "report/registration.hpp"
 #include "report/step_heights.hpp"
 #include "toolpath/cutter.hpp"
 
 namespace millpose {
+
+/// What the maker of a controller does not document, but for which a program is confirmed: the path of its
+/// rounded corners (docs/verification.md).
+struct ReportedBound {
+  double position = 0, angle = 0;  ///< mm, rad: by how much it may leave the programmed one
+  std::string assumption;          ///< under which that is so
+};
 
 /// One program file as written and confirmed.
 struct ReportedProgram {
@@ -28,6 +40,7 @@ struct ReportedProgram {
   int points_near = 0;    ///< of the whole program: nearer to the one before than the least spacing
   bool verified = false;  ///< and so written
   std::string withheld;   ///< why it is not
+  std::optional<ReportedBound> but_for = std::nullopt;  ///< what alone it is not confirmed in
 };
 
 /// What all files of one controller's program take.
@@ -91,8 +104,13 @@ struct ReportInputs {
   std::optional<BaseWindow> base_window;
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
   std::optional<CompensationFigures> compensation;
-  std::optional<FixedComparison> fixed;  ///< beside the best fixed rotation
-  std::optional<PoseSteps> steps;        ///< when the cell says how well the tool is known
+  std::optional<RegistrationFigures> registration;  ///< where `millpose register` found the part's place
+  std::optional<LostMotionReport> lost_motion;      ///< of every plan
+  std::optional<Budget> budget;                     ///< likewise
+  std::vector<FaceChoice> faces;                    ///< where whole ways are judged by the face
+  std::optional<FixedComparison> fixed;             ///< beside the best fixed rotation
+  std::optional<PoseSteps> steps;                   ///< when the cell says how well the tool is known
+  std::optional<FaceReport> face;                   ///< when it was asked for
 };
 
 /// What differs from run to run; goes into run.json alone.
@@ -160,8 +178,10 @@ struct PlanFigures {
 PlanFigures Figures(const PlanResult& plan);
 
 /// One row per point as in docs/outputs.md: positions in W, angles in the arm's convention.
-/// `cutter`: of a ball the cutting speed is told where leans were chosen.
-void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, int threads, const ByteSink& sink);
+/// `cutter`: of a ball the cutting speed is told where leans were chosen. `lost_motion`: of this plan; null:
+/// without its columns.
+void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, const LostMotionReport* lost_motion,
+                    int threads, const ByteSink& sink);
 
 /// VTK XML PolyData: the pieces as lines, skipped points as vertices, all indices as point arrays (0 for the
 /// pose of a skipped point, distinguished by the array `planned`); positions in W, mm.

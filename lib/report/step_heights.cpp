@@ -32,11 +32,11 @@ PoseStep Between(const ToolUncertainty& tool, PoseStep::Why why, const CutPoint&
 std::vector<std::vector<CutPoint>> CutsOf(const PlanResult& plan, const PassResult& pass,
                                           size_t first_number) {
   std::vector<std::vector<CutPoint>> cuts;
-  for (const Piece& piece : pass.pieces) {
+  for (const Segment& piece : pass.pieces) {
     std::vector<CutPoint>& cut = cuts.emplace_back();
     for (int t = piece.first; t <= piece.last; ++t) {
       const PlannedPoint& point = pass.points[static_cast<size_t>(t)];
-      if (point.skip == Obstacle::kNone && point.point.kind == PointKind::kCut)
+      if (point.skip == Infeasibility::kNone && point.point.kind == PointKind::kCut)
         cut.push_back({&point, first_number + static_cast<size_t>(t), pass.pass,
                        OnPartAtZero(plan, ExternalAt(pass, static_cast<size_t>(t)), point.point.position)});
     }
@@ -58,9 +58,9 @@ void AddParts(const PassResult& pass, const std::vector<std::vector<CutPoint>>& 
 
 /// The planned cut points of the passes from `finished_from` on, sorted along their longest side, so that few
 /// have to be looked at for a neighbour.
-class Face {
+class FacePlaces {
  public:
-  Face(const PlanResult& plan, int finished_from) {
+  FacePlaces(const PlanResult& plan, int finished_from) {
     size_t first = 0;
     for (const PassResult& pass : plan.passes) {
       if (pass.pass >= finished_from)
@@ -129,7 +129,7 @@ PoseSteps FindPoseSteps(const PlanResult& plan, const ToolUncertainty& tool, int
     AddParts(pass, CutsOf(plan, pass, first), tool, steps.parts);
     first += pass.points.size();
   }
-  const Face face(plan, finished_from);
+  const FacePlaces face(plan, finished_from);
   for (size_t i = 0; i < face.points().size(); ++i)
     if (const std::optional<PoseStep> step = face.ToNeighbour(i, tool))
       if (!steps.neighbours || step->height > steps.neighbours->height) steps.neighbours = step;
@@ -140,7 +140,7 @@ std::vector<PoseStep> FindPoseStepsAt(const PlanResult& plan, const ToolUncertai
                                       size_t point) {
   std::vector<PoseStep> steps = FindPoseSteps(plan, tool, finished_from).parts;
   std::erase_if(steps, [&](const PoseStep& step) { return step.point != point && step.other != point; });
-  const Face face(plan, finished_from);
+  const FacePlaces face(plan, finished_from);
   const auto here = std::ranges::find(face.points(), point, &CutPoint::number);
   if (here == face.points().end()) return steps;
   if (const auto step = face.ToNeighbour(static_cast<size_t>(here - face.points().begin()), tool))

@@ -3,9 +3,13 @@
 
 #include "base/units.hpp"
 #include "planning/result/station.hpp"
+#include "report/budget_json.hpp"
 #include "report/compensation_json.hpp"
-#include "report/fixed_figures.hpp"
+#include "report/face_choices_json.hpp"
+#include "report/face_json.hpp"
+#include "report/fixed_json.hpp"
 #include "report/lifts_json.hpp"
+#include "report/lost_motion_json.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -38,7 +42,7 @@ Json SkippedJson(const PlanResult& plan) {
   size_t number = 0;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points) {
-      if (point.skip != Obstacle::kNone)
+      if (point.skip != Infeasibility::kNone)
         skipped.push_back({{"point", number},
                            {"pass", pass.pass},
                            {"reason", ToString(point.skip)},
@@ -49,7 +53,7 @@ Json SkippedJson(const PlanResult& plan) {
 }
 
 // Gaps that could not be planned, or only with smaller clearances.
-Json GapRemarksJson(const PlanResult& plan) {
+Json LinkMoveRemarksJson(const PlanResult& plan) {
   Json list = Json::array();
   for (size_t i = 0; i < plan.gaps.size(); ++i)
     if (!plan.gaps[i].detail.empty())
@@ -80,7 +84,7 @@ Json ExternalJson(const PlanResult& plan) {
                        {"to", shown(ExternalAt(pass, pass.points.size() - 1))}});
   size_t moves = 0;
   double seconds = 0;
-  for (const Gap& gap : plan.gaps)
+  for (const LinkMove& gap : plan.gaps)
     if (gap.external) ++moves, seconds += gap.external->duration;
   Json external{{"axes", axes}, {"passes", passes}, {"moves", moves}, {"moves_s", seconds}};
   if (!along.empty()) external["along"] = along;
@@ -206,30 +210,12 @@ Json DeflectionJson(const std::optional<DeflectionReport>& report) {
           {"largest_step_between_passes_mm", of_face(&FaceDeflection::largest_step)}};
 }
 
-/// Worst and median of one comparison, mm or the objective's unit; null where there is none.
-Json FixedOf(const std::vector<PointFigures>& plan, const std::vector<PointFigures>& fixed) {
-  if (fixed.empty()) return nullptr;
-  const auto pair = [](double of_plan, double of_fixed) {
-    return Json{{"plan", of_plan},
-                {"fixed", of_fixed},
-                {"ratio", of_fixed > 0 ? Json(of_plan / of_fixed) : Json(nullptr)}};
-  };
-  Json json = Json::object();
-  for (const FixedFigure& figure : FixedFigures(plan, fixed))
-    json[figure.key] = {{"worst", pair(figure.plan_worst, figure.fixed_worst)},
-                        {"median", pair(figure.plan_median, figure.fixed_median)}};
-  return json;
-}
-
-Json FixedJson(const std::optional<FixedComparison>& fixed) {
-  if (!fixed) return nullptr;
-  Json job = FixedOf(fixed->plan, fixed->job);
-  if (!job.is_null()) job["rotation_deg"] = RadToDeg(fixed->rotation);
-  const auto text = [](const std::string& why) { return why.empty() ? Json(nullptr) : Json(why); };
-  return {{"points", fixed->plan.size()},
-          {"job", job},
-          {"passes", FixedOf(fixed->plan, fixed->passes)},
-          {"in_the_way", {{"job", text(fixed->job_in_the_way)}, {"passes", text(fixed->passes_in_the_way)}}}};
+Json ButForJson(const std::optional<ReportedBound>& bound) {
+  if (!bound) return nullptr;
+  return {{"what", "corner"},
+          {"bound_mm", bound->position},
+          {"bound_deg", RadToDeg(bound->angle)},
+          {"assumption", bound->assumption}};
 }
 
 Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
@@ -241,7 +227,8 @@ Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
                     {"points_saved", program.points_saved},
                     {"points_near", program.points_near},
                     {"verified", program.verified},
-                    {"withheld", program.withheld.empty() ? Json(nullptr) : Json(program.withheld)}});
+                    {"withheld", program.withheld.empty() ? Json(nullptr) : Json(program.withheld)},
+                    {"but_for", ButForJson(program.but_for)}});
   return list;
 }
 
@@ -291,6 +278,13 @@ Json PathSpeedsJson(const std::vector<PathSpeed>& speeds) {
   return list;
 }
 
+Json RegistrationJson(const RegistrationFigures& figures) {
+  return {{"face_um_95", 1e3 * figures.off_95},
+          {"face_um_50", 1e3 * figures.median_off},
+          {"beside_um_95", 1e3 * figures.beside_95},
+          {"tolerance_um", figures.tolerance ? Json(1e3 * *figures.tolerance) : Json(nullptr)}};
+}
+
 Json BaseWindowJson(const std::optional<BaseWindow>& window) {
   if (!window) return nullptr;
   return {{"shift_mm", window->shift},
@@ -314,7 +308,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["lifts"] = LiftsJson(plan);
   json["passes_left_open"] = OpenRingsJson(plan);
   json["gaps"] = {{"total", plan.gaps.size()}, {"planned", figures.gaps_planned}};
-  json["gap_remarks"] = GapRemarksJson(plan);
+  json["gap_remarks"] = LinkMoveRemarksJson(plan);
   json["stiffness"] = {{"origin", WordOf(kStiffnessOriginWords, plan.stiffness_origin)},
                        {"lambda_t1", SpreadJson(figures.lambda_t1)},
                        {"lambda_t2", SpreadJson(figures.lambda_t2)},
@@ -353,9 +347,14 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["findings"] = inputs.findings;
   json["audit"] = AuditJson(inputs.audit);
   json["deflection"] = DeflectionJson(inputs.deflection);
+  if (inputs.registration) json["registration"] = RegistrationJson(*inputs.registration);
   if (inputs.compensation) json["compensation"] = CompensationJson(*inputs.compensation);
   json["pose_steps"] = StepsJson(inputs.steps);
-  json["fixed_rotation"] = FixedJson(inputs.fixed);
+  json["fixed_rotation"] = FixedRotationJson(plan, inputs);
+  json["budget"] = BudgetJson(inputs.budget);
+  json["face_choices"] = FaceChoicesJson(inputs.faces);
+  json["reversals"] = inputs.lost_motion ? ReversalsJson(plan, *inputs.lost_motion) : Json(nullptr);
+  json["face"] = inputs.face ? FaceReportJson(*inputs.face) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/units.hpp"
 #include "planning/result/skipped.hpp"
+#include "report/face_choices_json.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/price_text.hpp"
 #include "report/report.hpp"
@@ -19,10 +20,17 @@ void AppendSpread(const char* name, const std::optional<Spread>& spread, const s
                  spread->best, spread->median, spread->worst, unit);
 }
 
-void AppendGapRemarks(const PlanResult& plan, std::string* text) {
+std::string Verdict(const ReportedProgram& program) {
+  if (!program.verified) return "withheld";
+  if (!program.but_for) return "read back and confirmed";
+  return fmt::format("read back and confirmed but for the corner's path, bounded by {:.4f} mm",
+                     program.but_for->position);
+}
+
+void AppendLinkMoveRemarks(const PlanResult& plan, std::string* text) {
   size_t remarks = 0;
   for (size_t i = 0; i < plan.gaps.size(); ++i) {
-    const Gap& gap = plan.gaps[i];
+    const LinkMove& gap = plan.gaps[i];
     if (!gap.detail.empty() && remarks++ < kShown)
       fmt::format_to(std::back_inserter(*text), "  gap {}{}: {}\n", i, gap.planned ? "" : " not planned",
                      gap.detail);
@@ -38,7 +46,7 @@ void AppendSkipped(const PlanResult& plan, std::string* text) {
   std::string rows;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points) {
-      if (point.skip != Obstacle::kNone) {
+      if (point.skip != Infeasibility::kNone) {
         ++skipped;
         if (shown++ < kShown)
           fmt::format_to(std::back_inserter(rows), "  point {} (pass {}): {}: {}\n", number, pass.pass,
@@ -78,21 +86,17 @@ void AppendDeflection(const DeflectionReport& report, std::string* text) {
                  report.force.mean.norm(), report.force.peak, kDeflectionModel);
 }
 
-void AppendFixed(const FixedComparison& fixed, std::string* text) {
+void AppendFixed(const FixedComparison& fixed, bool known, std::string* text) {
   const auto out = std::back_inserter(*text);
-  const auto compare = [&](const std::vector<PointFigures>& figures, const std::string& name) {
+  for (const auto& [name, choice] : NamedChoices(fixed)) {
     fmt::format_to(out, "against    {}, plan / fixed:\n", name);
-    for (const FixedFigure& figure : FixedFigures(fixed.plan, figures))
+    for (const FixedFigure& figure : FixedFigures(fixed.plan, choice->points))
       fmt::format_to(out, "  {:<10} {}\n", figure.label, FixedRatios(figure));
-  };
-  if (!fixed.job.empty())
-    compare(fixed.job,
-            fmt::format("the best single rotation of the job, {:.0f} deg", RadToDeg(fixed.rotation)));
-  else
+    fmt::format_to(out, "  {}\n", FixedReversals(fixed.plan_gears, choice->gears, known));
+  }
+  if (fixed.job.points.empty())
     fmt::format_to(out, "against    no single rotation does the job: {}\n", fixed.job_in_the_way);
-  if (!fixed.passes.empty())
-    compare(fixed.passes, "the best rotation of each pass");
-  else
+  if (fixed.passes.points.empty())
     fmt::format_to(out, "against    no rotation of its own does each pass: {}\n", fixed.passes_in_the_way);
 }
 
@@ -107,7 +111,7 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
                  figures.total - figures.planned);
   fmt::format_to(out, "passes     {} in {} pieces\n", plan.passes.size(), figures.pieces);
   fmt::format_to(out, "gaps       {} planned of {}\n", figures.gaps_planned, plan.gaps.size());
-  AppendGapRemarks(plan, &text);
+  AppendLinkMoveRemarks(plan, &text);
   AppendSkipped(plan, &text);
   if (figures.planned > 0) {
     fmt::format_to(out, "stiffness at the {}; compliance, smaller is stiffer\n",
@@ -142,14 +146,25 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   }
   if (figures.paper) AppendPaper(*figures.paper, &text);
   if (inputs.deflection) AppendDeflection(*inputs.deflection, &text);
+  if (inputs.registration)
+    fmt::format_to(std::back_inserter(text),
+                   "registration: the face may be off by {:.0f} µm along its normal (95 %)\n",
+                   1e3 * inputs.registration->off_95);
   if (inputs.compensation) text += CompensationText(*inputs.compensation);
-  if (figures.planned > 0 && inputs.fixed) AppendFixed(*inputs.fixed, &text);
+  if (figures.planned > 0 && inputs.lost_motion)
+    fmt::format_to(out, "reversals  {}\n", LostMotionText(plan, *inputs.lost_motion));
+  if (!inputs.faces.empty()) fmt::format_to(out, "face       {}\n", FaceChoicesText(inputs.faces));
+  if (figures.planned > 0 && inputs.budget)
+    fmt::format_to(out, "budget     {}\n", BudgetText(*inputs.budget));
+  if (figures.planned > 0 && inputs.fixed)
+    AppendFixed(*inputs.fixed, inputs.lost_motion && inputs.lost_motion->Known(), &text);
+  if (inputs.face) text += FaceText(*inputs.face);
   fmt::format_to(out, "interference {} poses checked; {} of {} candidates never had to be\n",
                  figures.poses_checked, figures.candidates - figures.candidates_checked, figures.candidates);
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);
   for (const ReportedProgram& program : inputs.programs)
     fmt::format_to(out, "program    {} ({}; {} points left out that its motions pass)\n", program.path,
-                   program.verified ? "read back and confirmed" : "withheld", program.points_saved);
+                   Verdict(program), program.points_saved);
   for (const ProgramSize& size : inputs.program_sizes)
     fmt::format_to(
         out, "size       {}: {} kB in {} file{}{}\n", size.controller, (size.bytes + 500) / 1000, size.files,

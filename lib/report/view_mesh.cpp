@@ -81,10 +81,10 @@ struct MeshOf {
 };
 
 using Points = std::vector<Eigen::Vector3d>;
-using Face = std::array<int, 3>;
+using HullFace = std::array<int, 3>;
 
 /// Twice the signed area of a face times the height of `p` above it, mm³.
-double Above(const Points& points, const Face& f, const Eigen::Vector3d& p) {
+double Above(const Points& points, const HullFace& f, const Eigen::Vector3d& p) {
   const Eigen::Vector3d& a = points[f[0]];
   return (points[f[1]] - a).cross(points[f[2]] - a).dot(p - a);
 }
@@ -101,7 +101,7 @@ std::optional<std::array<int, 4>> FirstTetrahedron(const Points& points, double 
   const int b = farthest([&](const Eigen::Vector3d& p) { return (p - points[a]).norm(); });
   const Eigen::Vector3d line = (points[b] - points[a]).normalized();
   const int c = farthest([&](const Eigen::Vector3d& p) { return line.cross(p - points[a]).norm(); });
-  const Face face{a, b, c};
+  const HullFace face{a, b, c};
   const int d = farthest([&](const Eigen::Vector3d& p) { return std::abs(Above(points, face, p)); });
   const double volume = Above(points, face, points[d]);
   if (!(std::abs(volume) > tolerance)) return std::nullopt;
@@ -110,10 +110,10 @@ std::optional<std::array<int, 4>> FirstTetrahedron(const Points& points, double 
 }
 
 /// One step of the incremental hull: faces that see `index` go, their rim is joined to it.
-void AddToHull(const Points& points, int index, double tolerance, std::vector<Face>& faces) {
-  std::vector<Face> kept;
+void AddToHull(const Points& points, int index, double tolerance, std::vector<HullFace>& faces) {
+  std::vector<HullFace> kept;
   std::set<std::pair<int, int>> rim;
-  for (const Face& f : faces) {
+  for (const HullFace& f : faces) {
     if (Above(points, f, points[index]) <= tolerance) {
       kept.push_back(f);
       continue;
@@ -148,8 +148,8 @@ Triangles Clustered(const Triangles& mesh, const Eigen::Vector3d& origin, double
     result.vertices[it->second] += mesh.vertices[v];
   }
   for (size_t i = 0; i < counts.size(); ++i) result.vertices[i] /= counts[i];
-  for (const Face& f : mesh.faces) {
-    const Face g{id_of[f[0]], id_of[f[1]], id_of[f[2]]};
+  for (const HullFace& f : mesh.faces) {
+    const HullFace g{id_of[f[0]], id_of[f[1]], id_of[f[2]]};
     if (g[0] != g[1] && g[1] != g[2] && g[2] != g[0]) result.faces.push_back(g);
   }
   return result;
@@ -168,7 +168,7 @@ Triangles ConvexHull(const Points& points) {
   const auto first = FirstTetrahedron(points, tolerance);
   if (!first) return hull;
   const auto [a, b, c, d] = *first;
-  std::vector<Face> faces{{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}};
+  std::vector<HullFace> faces{{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}};
   for (int i = 0; i < static_cast<int>(points.size()); ++i)
     if (i != a && i != b && i != c && i != d) AddToHull(points, i, tolerance, faces);
   hull.vertices = points;

@@ -2,9 +2,9 @@
 #include "store/checkpoint_key.hpp"
 
 #include "base/process.hpp"
-#include "store/kept_pass.hpp"
-#include "store/value_bytes.hpp"
 #include "planning/result/pass_value.hpp"
+#include "store/cached_pass.hpp"
+#include "store/value_bytes.hpp"
 
 namespace millpose {
 void AppendTo(ValueBytes& bytes, const Freedom& freedom) {
@@ -23,15 +23,15 @@ std::string PassContext(const PoseProblem& problem, const World& world, const Pa
   return HashOfValues(ProgramId(), problem, WithoutPlaces(world.cell()), options);
 }
 
-std::string RidingContext(const PoseProblem& problem, const World& at_zero, const PathOptions& options) {
+std::string CoordinatedContext(const PoseProblem& problem, const World& at_zero, const PathOptions& options) {
   return HashOfValues(ProgramId(), problem, at_zero.cell(), options);
 }
 
-std::string RidingKey(const std::string& context, const ExternalCourse& course) {
+std::string CoordinatedKey(const std::string& context, const ExternalCourse& course) {
   return HashOfValues(std::string("riding"), context, course.from, course.to);
 }
 
-std::string GapContext(const World& world, const GapOptions& options) {
+std::string LinkMoveContext(const World& world, const LinkMoveOptions& options) {
   const Cell& cell = world.cell();
   return HashOfValues(ProgramId(), cell.external_axes.empty() ? WithoutPlaces(cell) : cell, options);
 }
@@ -40,7 +40,7 @@ std::string PassKey(const std::string& context, const Pass& pass, size_t number,
   return HashOfValues(std::string("pass"), context, pass, number, first_point);
 }
 
-std::string GapKey(const std::string& context, const GapEnd& from, const GapEnd& to) {
+std::string LinkMoveKey(const std::string& context, const LinkMoveEnd& from, const LinkMoveEnd& to) {
   return HashOfValues(std::string("gap"), context, from, to);
 }
 
@@ -49,7 +49,7 @@ bool IsPlanOf(const PassResult& plan, const Pass& pass, size_t number) {
          plan.rotation_reference == pass.rotation_reference;
 }
 
-bool IsGapOf(const Gap& gap, const GapEnd& from, const GapEnd& to) {
+bool IsLinkMoveOf(const LinkMove& gap, const LinkMoveEnd& from, const LinkMoveEnd& to) {
   return gap.from_pass == from.pass && gap.from_piece == from.piece && gap.to_pass == to.pass &&
          gap.to_piece == to.piece;
 }

@@ -44,7 +44,7 @@ void FindForeignPrograms(const Folder& folder, const fs::path& at, const Manifes
     for (const std::string& name : folder.Below(at).Names())
       FindForeignPrograms(folder, at / name, manifest, problems);
   } else if (kind != Folder::Kind::kNothing && !manifest.files.contains(at.string())) {
-    problems->push_back({Place{(folder.path() / at).string()}, "is not of this plan"});
+    problems->push_back({SourceLocation{(folder.path() / at).string()}, "is not of this plan"});
   }
 }
 
@@ -62,7 +62,7 @@ void CheckUnlisted(const Folder& folder, const fs::path& at, const std::string& 
   FindForeignPrograms(folder, at / kProgramsFolder, manifest, problems);
   const std::string run = WrongRun(folder, at / kRunFile, text);
   if (!run.empty())
-    problems->push_back({Place{(folder.path() / at / kRunFile).string()}, run + " (manifest.json)"});
+    problems->push_back({SourceLocation{(folder.path() / at / kRunFile).string()}, run + " (manifest.json)"});
 }
 
 // The same of all operations, those that the manifest does not know among them.
@@ -119,7 +119,7 @@ Manifest CheckManifest(const fs::path& path, std::vector<std::string>* changed) 
     if (changed && IsProgram(name) && folder.KindOf(name) == Folder::Kind::kFile)
       changed->push_back(name);
     else
-      problems.push_back({Place{(path / name).string()}, difference + " (manifest.json)"});
+      problems.push_back({SourceLocation{(path / name).string()}, difference + " (manifest.json)"});
   }
   CheckUnlisted(folder, "", text, manifest, &problems);
   CheckOperations(folder, manifest, &problems);

@@ -90,10 +90,10 @@ void RefuseInPlaceOfFolder(const Folder& folder, const char* name) {
 
 }  // namespace
 
-const SetNames kPlanNames{"job.yaml",     "cell.yaml",   kPlanFile,        "starts.cbor",
-                          "points.csv",   "path.vtp",    "deflection.csv", "compensation.csv",
-                          "summary.json", "report.html", "trajectory-*",   "meshes",
-                          kRunFile,       kManifestFile, kProgramsFolder,  kOperationsFolder};
+const SetNames kPlanNames{
+    "job.yaml",       "cell.yaml",        kPlanFile,     "starts.cbor",   "points.csv",     "path.vtp",
+    "deflection.csv", "compensation.csv", "face.csv",    "summary.json",  "report.html",    "trajectory-*",
+    "meshes",         kRunFile,           kManifestFile, kProgramsFolder, kOperationsFolder};
 
 bool IsPlanName(const std::string& name) { return Matches(name, kPlanNames); }
 
@@ -149,7 +149,7 @@ void OutputFolder::Write(const std::string& name, std::string_view bytes) const 
 
 // A checkpoint begins with the hash of its key and the rest, so that damage is found, and one that stands
 // under another's name.
-std::optional<std::string> OutputFolder::ReadKept(const std::string& file, const std::string& key) const {
+std::optional<std::string> OutputFolder::ReadCached(const std::string& file, const std::string& key) const {
   if (folder_->KindOf(checkpoints_ / file) != Folder::Kind::kFile) return std::nullopt;
   std::string bytes = folder_->Read(checkpoints_ / file);
   const size_t digits = Hash({}).size();
@@ -160,7 +160,8 @@ std::optional<std::string> OutputFolder::ReadKept(const std::string& file, const
   return bytes;
 }
 
-void OutputFolder::WriteKept(const std::string& file, const std::string& key, std::string_view bytes) const {
+void OutputFolder::WriteCached(const std::string& file, const std::string& key,
+                               std::string_view bytes) const {
   const Folder folder = folder_->MakeBelow(checkpoints_);
   if (folder.KindOf(file) == Folder::Kind::kFolder) folder.RemoveAll(file);  // no checkpoint of ours
   folder.Write(file, [&](const ByteSink& sink) {
@@ -170,20 +171,20 @@ void OutputFolder::WriteKept(const std::string& file, const std::string& key, st
 }
 
 std::optional<std::string> OutputFolder::ReadCheckpoint(const std::string& key) const {
-  return ReadKept(key + ".cbor", key);
+  return ReadCached(key + ".cbor", key);
 }
 
 void OutputFolder::WriteCheckpoint(const std::string& key, std::string_view bytes) const {
-  WriteKept(key + ".cbor", key, bytes);
+  WriteCached(key + ".cbor", key, bytes);
 }
 
 std::optional<std::string> OutputFolder::ReadStage(const std::string& stage, const std::string& key) const {
-  return ReadKept(stage + ".stage", key);
+  return ReadCached(stage + ".stage", key);
 }
 
 void OutputFolder::WriteStage(const std::string& stage, const std::string& key,
                               std::string_view bytes) const {
-  WriteKept(stage + ".stage", key, bytes);
+  WriteCached(stage + ".stage", key, bytes);
 }
 
 void OutputFolder::RemoveCheckpoints() const {

@@ -84,8 +84,8 @@ class OutputFolder {
 
  private:
   friend class ResultSet;
-  std::optional<std::string> ReadKept(const std::string& file, const std::string& key) const;
-  void WriteKept(const std::string& file, const std::string& key, std::string_view bytes) const;
+  std::optional<std::string> ReadCached(const std::string& file, const std::string& key) const;
+  void WriteCached(const std::string& file, const std::string& key, std::string_view bytes) const;
 
   std::shared_ptr<const Folder> folder_;
   std::shared_ptr<const FolderLock> lock_;

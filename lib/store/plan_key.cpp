@@ -12,8 +12,8 @@ std::string KeyOf(const std::vector<PassResult>& passes, int threads) {
   return HashOfValues(keys);
 }
 
-std::string KeyOf(std::vector<Gap> gaps) {
-  for (Gap& gap : gaps) gap.poses_checked = 0;
+std::string KeyOf(std::vector<LinkMove> gaps) {
+  for (LinkMove& gap : gaps) gap.poses_checked = 0;
   return HashOfValues(gaps);
 }
 

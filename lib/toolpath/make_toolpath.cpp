@@ -137,7 +137,7 @@ struct Cut {
 };
 
 // Whether unmilled material lies on the right of the way, seen against the normal.
-bool IsClimb(const Mesh& mesh, const Lane& lane, const Curve& curve) {
+bool IsClimb(const Mesh& mesh, const CurveGroup& lane, const Curve& curve) {
   constexpr double kAside = 0.01;  // mm
   double sum = 0;
   for (const CurvePiece& piece : curve.pieces) {
@@ -151,12 +151,13 @@ bool IsClimb(const Mesh& mesh, const Lane& lane, const Curve& curve) {
 std::vector<Curve> Shared(const std::vector<Curve>& curves, const ToolpathOptions& options) {
   std::vector<Curve> parts;
   for (const Curve& curve : curves)
-    std::ranges::move(ClipToShare(curve, *options.share, options.chord_tolerance), std::back_inserter(parts));
+    std::ranges::move(ClipToSection(curve, *options.share, options.chord_tolerance),
+                      std::back_inserter(parts));
   return parts;
 }
 
 // The parts of a lane that lie in the region and its share, in the order and direction of milling.
-std::vector<Cut> CutsOf(const Lane& lane, const Region& region, const CornerNormals& normals,
+std::vector<Cut> CutsOf(const CurveGroup& lane, const Region& region, const CornerNormals& normals,
                         const ToolpathOptions& options) {
   const Mesh& mesh = region.mesh();
   std::vector<Curve> parts;
@@ -250,7 +251,7 @@ void CheckArea(const Region& region, const ToolpathOptions& options) {
 std::vector<Cut> AllCuts(const Layout& layout, const Region& region, const CornerNormals& normals,
                          const ToolpathOptions& options, const std::stop_token& stop) {
   std::vector<Cut> cuts;
-  for (const Lane& lane : layout.lanes) {
+  for (const CurveGroup& lane : layout.lanes) {
     CheckStop(stop);
     std::ranges::move(CutsOf(lane, region, normals, options), std::back_inserter(cuts));
   }

@@ -23,7 +23,7 @@ void Insert(const MillingPoint& from, const MillingPoint& to, double way,
 
 }  // namespace
 
-void TurnRound(double length, MillingPoint& point) {
+void ReversePass(double length, MillingPoint& point) {
   point.arc_length = length - point.arc_length;
   point.feed = -point.feed;
   if (point.kind != PointKind::kCut)
@@ -35,7 +35,7 @@ Pass RunFromEnd(const Pass& pass) {
   std::ranges::reverse(turned.points);
   if (turned.points.empty()) return turned;
   const double length = turned.points.front().arc_length;
-  for (MillingPoint& point : turned.points) TurnRound(length, point);
+  for (MillingPoint& point : turned.points) ReversePass(length, point);
   return turned;
 }
 

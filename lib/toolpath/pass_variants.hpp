@@ -9,7 +9,7 @@
 namespace millpose {
 
 /// Turns a point round whose pass of that length (mm, a closed pass's whole way) is run from its end.
-void TurnRound(double length, MillingPoint& point);
+void ReversePass(double length, MillingPoint& point);
 
 /// An open pass run from its end. What depends on the feed is not worked out anew: the engagement, and the
 /// tool axis of a cutter that leans.

@@ -16,7 +16,7 @@
 namespace millpose {
 
 /// The curves of one plane, radius or contour, milled one after the other.
-struct Lane {
+struct CurveGroup {
   std::vector<Curve> curves;  ///< on the mesh
   /// What grows along the lane: parts that the region cuts off are milled in ascending order of it. Empty: in
   /// the order of `curves`.
@@ -32,7 +32,7 @@ struct Lane {
 
 /// What a strategy makes of a region.
 struct Layout {
-  std::vector<Lane> lanes;  ///< in the order of milling
+  std::vector<CurveGroup> lanes;  ///< in the order of milling
   /// Of a plane region: the normal of all its points. Else they have the surface's, which near a fillet lean
   /// towards it.
   std::optional<Eigen::Vector3d> normal;
@@ -80,6 +80,8 @@ class Strategy {
   virtual double Dwell() const { return 0; }
   /// Keys of `toolpath` that change nothing with it as its options stand: a job that gives one is refused.
   virtual std::vector<std::string> WithoutEffect() const { return {}; }
+  /// Of a file for several tools or speeds its sections, where the strategy reads such. Throws InputError.
+  virtual std::vector<CamSection> Sections(const StrategyInputs&) const { return {}; }
   /// Throws InputError; Interrupted.
   virtual LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const = 0;
 };

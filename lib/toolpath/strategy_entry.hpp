@@ -3,9 +3,9 @@
 #pragma once
 
 #include "base/registry.hpp"
-#include "toolpath/strategy.hpp"
 #include "base/yaml/lifted.hpp"
 #include "base/yaml/section.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose {
 

@@ -7,7 +7,7 @@
 #include "toolpath/budget.hpp"
 #include "toolpath/cutter.hpp"
 #include "toolpath/pass_ends.hpp"
-#include "toolpath/path_share.hpp"
+#include "toolpath/path_section.hpp"
 #include "toolpath/region.hpp"
 #include "toolpath/tool_axis.hpp"
 
@@ -27,7 +27,7 @@ class Strategy;
 struct ToolpathOptions {
   std::shared_ptr<const Strategy> strategy;  ///< which also holds the options that are its own
   RegionOptions region;
-  std::optional<PathShare> share;  ///< none: the whole path
+  std::optional<PathSection> share;  ///< none: the whole path
   double stepover = 0;  ///< largest distance of neighbouring planes or radii; not for prescribed lines
   bool stepover_on_surface = false;  ///< the step-over is measured along the surface instead
   double scallop = 0;                ///< above 0: passes as far apart as leaves scallops of this height

@@ -5,13 +5,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/parallel.hpp"
 #include "audit/distance.hpp"
 #include "audit/interference.hpp"
+#include "base/parallel.hpp"
 #include "tests/audit/kinematics.hpp"
 #include "tests/audit/laws.hpp"
 #include "tests/audit/motions.hpp"
 #include "tests/audit/programs.hpp"
+#include "tests/audit/reversals.hpp"
 
 namespace millpose::audit {
 namespace {
@@ -327,7 +328,7 @@ void AuditMotions(const Setup& setup, const std::vector<JointMotion>& motions, c
                     fmt::format("{} and {}, {}", contacts[k]->first, contacts[k]->second, motions[k].name));
 }
 
-void AuditGapLimits(const Setup& setup, const std::vector<JointMotion>& motions, Figures& figures) {
+void AuditLinkMoveLimits(const Setup& setup, const std::vector<JointMotion>& motions, Figures& figures) {
   for (const JointMotion& motion : motions) {
     for (size_t i = 0; i < 6; ++i)
       if (motion.to[i] < setup.hard_lower[i] - kAngleSlack ||
@@ -366,6 +367,8 @@ Verdict Audit(const Folder& folder, const Options& options) {
   figures.Declare("missing_forces", 0);
   figures.Declare("max_halfway_excess_mm", 1e-9);
   figures.Declare("max_summary_error_relative", 1e-8);
+  figures.Declare("reversal_violations", 0);
+  figures.Declare("max_lost_motion_error_mm", 1e-7);
   figures.Declare("interferences", 0);
   if (!folder.compensated.empty()) {
     figures.Declare("max_commanded_tip_error_mm", 1e-6);
@@ -390,6 +393,10 @@ Verdict Audit(const Folder& folder, const Options& options) {
   AuditLeans(folder, cuts, figures);
   AuditHalfway(folder, cuts, figures);
   AuditSummary(folder, figures);
+  AuditReversals(folder, {[&](const std::string& where) { figures.Count("reversal_violations", where); },
+                          [&](Real off, const std::string& where) {
+                            figures.Raise("max_lost_motion_error_mm", off, where);
+                          }});
   std::vector<JointMotion> motions = CutMotions(cuts), gaps;
   const std::vector<Row> commanded = CommandedRows(folder.rows);
   if (!folder.compensated.empty()) {
@@ -410,10 +417,10 @@ Verdict Audit(const Folder& folder, const Options& options) {
     // The one that may be in joint space throughout.
     const bool joints =
         std::ranges::all_of(targets, [](const Target& target) { return target.angles.has_value(); });
-    if (controller == "linuxcnc" && joints && !targets.empty()) gaps = GapMotions(targets, cuts);
+    if (controller == "linuxcnc" && joints && !targets.empty()) gaps = LinkMotions(targets, cuts);
   }
-  if (gaps.empty()) gaps = PlannedGapMotions(folder, cuts);
-  AuditGapLimits(folder.setup, gaps, figures);
+  if (gaps.empty()) gaps = PlannedLinkMotions(folder, cuts);
+  AuditLinkMoveLimits(folder.setup, gaps, figures);
   motions.insert(motions.end(), gaps.begin(), gaps.end());
   AuditMotions(folder.setup, motions, options, figures);
   return figures.Take();

@@ -286,7 +286,7 @@ TEST_F(AuditTest, AMissingEndOfAProgramIsADeviation) {
 }
 
 /// plan.cbor with one gap, from home by some joint angles to home.
-std::string PlanWithGap(const std::vector<Angles>& joints) {
+std::string PlanWithLinkMove(const std::vector<Angles>& joints) {
   nlohmann::json gap = {
       {"from_pass", -1}, {"from_piece", -1}, {"to_pass", -1}, {"to_piece", -1}, {"planned", true}};
   for (const Angles& angles : joints) {
@@ -308,7 +308,7 @@ TEST_F(AuditTest, GapsAreJudgedFromThePlanWhereNoProgramIsInJointSpace) {
     Texts texts = MakeFolder({});
     texts.erase("out/programs/linuxcnc/by_hand.ngc");
     texts["out/plan.cbor"] =
-        PlanWithGap(in_column ? std::vector{home, folded, home} : std::vector{home, above, home});
+        PlanWithLinkMove(in_column ? std::vector{home, folded, home} : std::vector{home, above, home});
     EXPECT_EQ(Broken(texts), in_column ? Names{"interferences"} : Names{}) << in_column;
   }
 }

@@ -71,9 +71,14 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   if (const std::string csv = optional("deflection.csv"); !csv.empty())
     folder.deflected = ReadDeflected(csv, folder.setup.X_WP.block<3, 3>(0, 0));
   MakeStations(folder);
-  if (const std::string json = optional("summary.json"); !json.empty()) folder.summary = ReadSummary(json);
+  if (const std::string json = optional("summary.json"); !json.empty()) {
+    folder.summary = ReadSummary(json);
+    folder.reversals = ReadReversals(json);
+  }
+  if (const std::string cell = optional("cell.yaml"); !cell.empty()) folder.gears = ReadGears(cell);
+  folder.all_air = std::ranges::all_of(folder.deflected, [](const auto& entry) { return entry.second.air; });
   if (const std::string cbor = optional("plan.cbor"); !cbor.empty()) {
-    folder.gaps = ReadGaps(cbor);
+    folder.gaps = ReadLinkMoves(cbor);
     MarkClosed(cbor, folder.rows);
   }
   if (fs::exists(path / "programs"))
@@ -84,11 +89,11 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   return folder;
 }
 
-std::vector<PlannedGap> ReadGaps(const std::string& cbor) {
-  std::vector<PlannedGap> gaps;
+std::vector<PlannedLinkMove> ReadLinkMoves(const std::string& cbor) {
+  std::vector<PlannedLinkMove> gaps;
   const nlohmann::json plan = nlohmann::json::from_cbor(cbor);
   for (const auto& entry : plan.at("gaps")) {
-    PlannedGap gap{
+    PlannedLinkMove gap{
         entry.at("from_pass"), entry.at("from_piece"), entry.at("to_pass"), entry.at("to_piece"), {}};
     if (entry.at("planned").get<bool>())
       for (const auto& joints : entry.at("joints")) {
@@ -169,6 +174,44 @@ std::optional<Summary> ReadSummary(const std::string& text) {
   if (!objective.at("worst").is_number()) return std::nullopt;
   return Summary{objective.at("best").get<double>(), objective.at("worst").get<double>(),
                  json.at("continuity").at("halfway_deviation_max_mm").get<double>()};
+}
+
+Gears ReadGears(const std::string& cell_text) {
+  const YAML::Node cell = YAML::Load(cell_text), arm = cell["arm"];
+  Gears gears;
+  Eigen::Matrix<Real, 6, 6> matrix = Eigen::Matrix<Real, 6, 6>::Identity();
+  for (const auto& coupling : arm["gear_couplings"])
+    matrix(coupling["gear"].as<int>() - 1, coupling["axis"].as<int>() - 1) = coupling["factor"].as<double>();
+  const Eigen::Matrix<Real, 6, 6> inverse = matrix.inverse();
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) {
+      gears.couplings[static_cast<size_t>(i)][static_cast<size_t>(j)] = matrix(i, j);
+      gears.axes_by_gear[static_cast<size_t>(i)][static_cast<size_t>(j)] = inverse(i, j);
+    }
+  gears.width.resize(6);
+  if (const YAML::Node given = arm["lost_motion_arcmin"]) {
+    const Angles widths = Six(given, kDegree / 60);
+    for (size_t i = 0; i < 6; ++i) gears.width[i] = widths[i];
+  }
+  for (const auto& axis : cell["external_axes"]) {
+    std::optional<Real>& width = gears.width.emplace_back();
+    if (axis["lost_motion_um"]) width = axis["lost_motion_um"].as<double>() / 1000;
+    if (axis["lost_motion_arcmin"]) width = axis["lost_motion_arcmin"].as<double>() * kDegree / 60;
+  }
+  gears.loaded = arm["gear_friction_Nm"].IsDefined();
+  return gears;
+}
+
+std::optional<std::map<std::pair<int, size_t>, int>> ReadReversals(const std::string& text) {
+  const nlohmann::json json = nlohmann::json::parse(text);
+  if (!json.contains("reversals")) return std::nullopt;
+  std::map<std::pair<int, size_t>, int> counts;
+  for (const auto& pass : json.at("reversals").at("passes")) {
+    const std::vector<int> of_pass = pass.at("counts");
+    for (size_t gear = 0; gear < of_pass.size(); ++gear)
+      if (of_pass[gear] > 0) counts[{pass.at("pass").get<int>(), gear}] = of_pass[gear];
+  }
+  return counts;
 }
 
 }  // namespace millpose::audit

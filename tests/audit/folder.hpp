@@ -35,11 +35,15 @@ struct Row {
     Real lead, tilt;
   };
   std::optional<Lean> lean;
+  /// What each gear's reversal leaves along the normal, mm, for an arcmin (0.001 mm) where its lost motion is
+  /// not known; the arm's six, then external axes. And what lost motion leaves in all.
+  std::vector<std::optional<Real>> marks = {};
+  std::optional<Real> lost_motion = {};
   bool closed = false;  ///< of a piece that returns to its first point, as plan.cbor says
 };
 
 /// A planned way between two pieces, from plan.cbor; pass −1 is home.
-struct PlannedGap {
+struct PlannedLinkMove {
   int from_pass, from_piece, to_pass, to_piece;
   std::vector<Angles> joints;  ///< from the retracted tool to where the approach begins
   /// The external axes move from one position to another while the arm stands at joints[at].
@@ -54,7 +58,17 @@ struct PlannedGap {
 struct Deflected {
   Vector3 force, moved;
   Real normal, feed, across, length;
+  bool air = false;  ///< nothing is cut there
 };
+
+/// What cell.yaml says of gears.
+struct Gears {
+  using Table = std::array<std::array<Real, 6>, 6>;
+  Table couplings{}, axes_by_gear{};       ///< turns of gears by axes (rows: gears), and of axes by gears
+  std::vector<std::optional<Real>> width;  ///< lost motion, rad or mm; the arm's six, then external axes
+  bool loaded = false;                     ///< load decides as well: marks and lost motion are not judged
+};
+Gears ReadGears(const std::string& cell);
 
 /// What job.yaml plans for.
 struct Goal {
@@ -94,12 +108,16 @@ struct Folder {
   bool whole = true;         ///< no point is skipped
   bool leans = false;        ///< the plan chose them: points.csv tells them
   bool along_normal = true;  ///< the job has the tool along the surface's normal, the tip on the surface
-  std::vector<PlannedGap> gaps;
+  std::vector<PlannedLinkMove> gaps;
   Goal goal;
   Real cutter_radius = 0, corner_radius = 0;  ///< mm
   std::map<int, Deflected> deflected;         ///< by point
   std::map<int, Compensated> compensated;
   std::optional<Summary> summary;
+  Gears gears;
+  /// Of summary.json, by pass and gear; empty where it does not tell them.
+  std::optional<std::map<std::pair<int, size_t>, int>> reversals;
+  bool all_air = false;  ///< deflection.csv has no point in material
   std::map<std::string, std::map<std::string, std::string>> programs;  ///< controller → file name → text
 
   /// The cell with the external axes somewhere that a row has them; without its bodies where it has any.
@@ -122,7 +140,8 @@ Goal ReadGoal(const std::string& job);
 std::map<int, Compensated> ReadCompensated(const std::string& csv, const Matrix3& R_WP);
 std::map<int, Deflected> ReadDeflected(const std::string& csv, const Matrix3& R_WP);
 std::optional<Summary> ReadSummary(const std::string& json);
-std::vector<PlannedGap> ReadGaps(const std::string& cbor);
+std::optional<std::map<std::pair<int, size_t>, int>> ReadReversals(const std::string& json);
+std::vector<PlannedLinkMove> ReadLinkMoves(const std::string& cbor);
 /// Marks the rows of pieces that return to their first point.
 void MarkClosed(const std::string& cbor, std::vector<Row>& rows);
 UrdfArm ReadUrdf(const std::string& xml, const std::string& base, const std::string& flange);

@@ -47,14 +47,14 @@ std::optional<OwnObjective> ObjectiveOf(const Folder& folder, const Row& row, co
   if (name == "normal_deflection") return plain(n.dot(c * n));
   if (name == "drilling") return plain(row.axis.dot(c * row.axis) / row.axis.squaredNorm());
   if (name == "worst_in_plane") return plain(LargestInPlane(c, n));
-  if (name != "surface_error" && name != "process_force") return std::nullopt;
+  if (name != "surface_error" && name != "face_error" && name != "process_force") return std::nullopt;
   const std::optional<Vector3> F = ForceAt(folder, row);
   if (!F) return std::nullopt;
   return name == "process_force" ? plain((c * *F).norm()) : SurfaceError(folder.goal, c, n, *F);
 }
 
 bool NeedsForces(const Goal& goal) {
-  return goal.objective == "surface_error" ||
+  return goal.objective == "surface_error" || goal.objective == "face_error" ||
          (goal.objective == "process_force" && goal.given_force.isZero(0));
 }
 

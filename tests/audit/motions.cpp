@@ -46,7 +46,7 @@ std::vector<JointMotion> CutMotions(const std::vector<Cut>& cuts) {
   return motions;
 }
 
-std::vector<JointMotion> GapMotions(const std::vector<Target>& targets, const std::vector<Cut>& cuts) {
+std::vector<JointMotion> LinkMotions(const std::vector<Target>& targets, const std::vector<Cut>& cuts) {
   std::vector<JointMotion> motions;
   size_t begin = 0;
   for (size_t c = 0; c <= cuts.size(); ++c) {
@@ -67,14 +67,14 @@ std::vector<JointMotion> GapMotions(const std::vector<Target>& targets, const st
   return motions;
 }
 
-std::vector<JointMotion> PlannedGapMotions(const Folder& folder, const std::vector<Cut>& cuts) {
+std::vector<JointMotion> PlannedLinkMotions(const Folder& folder, const std::vector<Cut>& cuts) {
   const auto find = [&](int pass, int piece) -> const Cut* {
     for (const Cut& cut : cuts)
       if (cut.rows[0]->pass == pass && cut.rows[0]->piece == piece) return &cut;
     return nullptr;
   };
   std::vector<JointMotion> motions;
-  for (const PlannedGap& gap : folder.gaps) {
+  for (const PlannedLinkMove& gap : folder.gaps) {
     if (gap.joints.empty()) continue;
     const Cut *leaves = find(gap.from_pass, gap.from_piece), *enters = find(gap.to_pass, gap.to_piece);
     std::vector<Real> here;

@@ -20,9 +20,9 @@ std::vector<JointMotion> CutMotions(const std::vector<Cut>& cuts);
 
 /// All motions of a program in joint space that are not cuts; approach and retract may have the cutter in
 /// its cut.
-std::vector<JointMotion> GapMotions(const std::vector<Target>& targets, const std::vector<Cut>& cuts);
+std::vector<JointMotion> LinkMotions(const std::vector<Target>& targets, const std::vector<Cut>& cuts);
 
 /// The same from plan.cbor, for a folder without a program that is in joint space throughout.
-std::vector<JointMotion> PlannedGapMotions(const Folder& folder, const std::vector<Cut>& cuts);
+std::vector<JointMotion> PlannedLinkMotions(const Folder& folder, const std::vector<Cut>& cuts);
 
 }  // namespace millpose::audit

@@ -2,10 +2,10 @@
 // What the judge is made of: laws of single points, distances, shapes, kinematics.
 #include <gtest/gtest.h>
 
-#include "base/file.hpp"
 #include "audit/distance.hpp"
 #include "audit/interference.hpp"
 #include "audit/tessellate.hpp"
+#include "base/file.hpp"
 #include "tests/audit/kinematics.hpp"
 #include "tests/audit/laws.hpp"
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The audit of `plan --audit`: the cell that it hands to the judge, and what it makes of the judge's answers.
+#include "audit/interference.hpp"
 #include "base/file.hpp"
 #include "base/random.hpp"
 #include "job/assemble.hpp"
 #include "job/workpiece.hpp"
-#include "audit/interference.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "run/pipeline/audit/audit.hpp"
 #include "run/pipeline/audit/judge_setup.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/audit/folder.hpp"
 #include "tests/base/source_dir.hpp"
 

@@ -4,14 +4,14 @@
 #include <cstdlib>
 #include <set>
 
+#include "audit/interference.hpp"
 #include "base/file.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"
-#include "machine/collision/world.hpp"
-#include "job/assemble.hpp"
-#include "audit/interference.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "geometry/import/mesh_import.hpp"
+#include "job/assemble.hpp"
+#include "machine/collision/world.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/audit/folder.hpp"
 #include "tests/base/source_dir.hpp"
 

@@ -5,12 +5,10 @@
 #include <set>
 #include <sstream>
 
-#include "tests/audit/kinematics.hpp"
+#include "tests/audit/program_axes.hpp"
 
 namespace millpose::audit {
 namespace {
-
-using Fields = std::map<std::string, Real>;
 
 Real At(const Fields& fields, const std::string& name, Real otherwise = 0) {
   const auto found = fields.find(name);
@@ -29,12 +27,6 @@ Fields KrlFields(const std::string& text) {
 Matrix4 Frame(const Fields& f) {
   return FrameXyzAbc(At(f, "X"), At(f, "Y"), At(f, "Z"), At(f, "A"), At(f, "B"), At(f, "C"));
 }
-
-struct Line {
-  std::string file;
-  int number;
-  std::string text;
-};
 
 /// The lines of a file without comments, called files in place of their calls.
 void Expand(const std::string& name, const std::map<std::string, std::string>& files,
@@ -74,110 +66,7 @@ std::vector<Line> Whole(const std::map<std::string, std::string>& files, const s
   return whole;
 }
 
-/// The controller's tool frame in T: its axis `name` lies along T's z, the others follow by cyclic exchange.
-Matrix4 ToolFrame(const std::string& name) {
-  Matrix4 X_TC = Matrix4::Zero();
-  const int k = name.back() - 'x';
-  const double along = name.front() == '-' ? -1 : 1;
-  X_TC(2, k) = X_TC(1, (k + 2) % 3) = along;
-  X_TC(0, (k + 1) % 3) = X_TC(3, 3) = 1;
-  return X_TC;
-}
-
-Matrix4 Inverse(const Matrix4& X) { return X.inverse(); }
-
-/// What a controller makes of the words of its external axes.
-class Axes {
- public:
-  Axes(const std::string& controller, const Setup& setup)
-      : setup_(setup), position_(setup.axes.size()), known_(setup.axes.size(), 0) {
-    const auto found = setup.controller_axes.find(controller);
-    if (found != setup.controller_axes.end()) axes_ = found->second;
-    if (setup.axes.size() > axes_.size())
-      throw std::runtime_error("controllers." + controller + " does not name all external axes");
-  }
-
-  const std::vector<ControllerAxis>& named() const { return axes_; }
-
-  /// In mm or degrees.
-  void Take(const ControllerAxis& axis, Real word) {
-    position_[axis.axis] = word * (setup_.axes[axis.axis].rotary ? kDegree : 1);
-    known_[axis.axis] = 1;
-  }
-
-  /// Takes the words of a line and returns it without them. `between` stands between name and number.
-  std::string TakeFrom(const std::string& line, const std::string& between) {
-    std::string rest = line;
-    for (const ControllerAxis& axis : axes_) {
-      const std::regex word("\\b" + axis.name + between + R"(([-+]?[0-9]*\.?[0-9]+))");
-      std::smatch match;
-      if (!std::regex_search(rest, match, word)) continue;
-      Take(axis, std::stold(match[1]));
-      rest = match.prefix().str() + " " + match.suffix().str();
-    }
-    return rest;
-  }
-
-  /// A target with the joints at `angles`.
-  Target AtAngles(const Line& line, const Angles& angles) const {
-    const Matrix4 X_WT = Moved(true, position_) * Tool(setup_, angles);
-    return {line.file, line.number, angles, Inverse(PartNow()) * X_WT, {}, Position(line)};
-  }
-
-  /// From the cell's world, as the controller believes it to be with all axes that it counts in at 0, to the
-  /// part: `turned` is what counts from a table of which it knows. What is believed to be the robot's base is
-  /// where the base truly is.
-  Matrix4 FromBelieved(const Line& line, bool turned) const {
-    Position(line);
-    std::vector<Real> coupled(position_.size(), 0);
-    for (const ControllerAxis& axis : axes_)
-      if (axis.coupled) coupled[axis.axis] = position_[axis.axis];
-    Matrix4 believed = BelievedCarriage(coupled).inverse();
-    if (turned) believed *= Moved(false, coupled);
-    // All in W: base and part are moved from where they stand with the axes at 0.
-    return Inverse(PartNow()) * Moved(true, position_) * believed;
-  }
-
-  const std::vector<Real>& Position(const Line& line) const {
-    for (const char known : known_)
-      if (!known)
-        throw std::runtime_error(line.file + ":" + std::to_string(line.number) +
-                                 ": where the external axes are has not been said");
-    return position_;
-  }
-
-  /// The controller's rail moves as its own data say, whatever the cell's does.
-  void OnRail(const Vector3& direction_W) { rail_ = direction_W; }
-
- private:
-  Matrix4 Moved(bool robot, const std::vector<Real>& position) const {
-    return position.empty() ? Matrix4(Matrix4::Identity())
-                            : Carried(setup_, LastCarrier(setup_, robot), position);
-  }
-  Matrix4 PartNow() const { return Moved(false, position_) * setup_.X_WP; }
-  Matrix4 BelievedCarriage(const std::vector<Real>& coupled) const {
-    if (!rail_) return Moved(true, coupled);
-    Vector3 way = Vector3::Zero();
-    for (const ControllerAxis& axis : axes_)
-      if (axis.coupled && setup_.axes[axis.axis].carries_robot) way += coupled[axis.axis] * *rail_;
-    return Shift(way[0], way[1], way[2]);
-  }
-
-  const Setup& setup_;
-  std::vector<ControllerAxis> axes_;
-  std::vector<Real> position_;  ///< mm or rad
-  std::vector<char> known_;
-  std::optional<Vector3> rail_;
-};
-
 Vector3 AxisOf(const std::string& name) { return Vector3::Unit(name.back() - 'x'); }
-
-/// The arm's own angle of one that a controller's text gives (rad).
-Real OfArm(const Setup& setup, const std::string& controller, size_t axis, Real angle) {
-  const auto count = setup.counts.find(controller);
-  if (count == setup.counts.end()) return angle;
-  return count->second.sign[axis] * (angle - count->second.offset[axis]);
-}
 
 std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, const Setup& setup) {
   static const std::regex motion(R"(^\s*(?:PTP|LIN|SLIN|SPL|SPTP)\s*\{([^}]*)\}.*)");
@@ -218,9 +107,8 @@ std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, con
         if (fields.contains(axis.name)) axes.Take(axis, fields.at(axis.name));
       if (fields.contains("A1")) {
         Angles angles;
-        for (size_t i = 0; i < 6; ++i)
-          angles[i] = OfArm(setup, "krl", i, fields.at("A" + std::to_string(i + 1)) * kDegree);
-        targets.push_back(axes.AtAngles(line, angles));
+        for (size_t i = 0; i < 6; ++i) angles[i] = fields.at("A" + std::to_string(i + 1)) * kDegree;
+        targets.push_back(axes.AtAngles(line, OfArm(setup, "krl", angles)));
         last.clear();
         continue;
       }
@@ -270,7 +158,7 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
   bool transformed = false;
   Fields modal;
   Axes external("sinumerik", setup);
-  Angles angles = setup.home;
+  Angles angles{};  // as they are counted
   std::vector<Target> targets;
   for (const Line& line : Whole(files, ".mpf")) {
     std::smatch match;
@@ -313,10 +201,11 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
     } else {
       for (std::sregex_iterator it(text.begin(), text.end(), axes), end; it != end; ++it) {
         const auto axis = static_cast<size_t>((*it)[1].str().back() - '1');
-        angles[axis] = OfArm(setup, "sinumerik", axis, std::stold((*it)[2]) * kDegree);
+        angles[axis] = std::stold((*it)[2]) * kDegree;
         moved = true;
       }
-      if (moved || own != spoken) targets.push_back(external.AtAngles(line, angles));
+      if (moved || own != spoken)
+        targets.push_back(external.AtAngles(line, OfArm(setup, "sinumerik", angles)));
     }
   }
   return targets;
@@ -350,12 +239,39 @@ std::vector<Target> ReadLinuxCnc(const std::map<std::string, std::string>& files
                          ByAngles(pose, setup.linuxcnc_rotation, X_PB, X_CT), external.Position(line)});
       continue;
     }
-    Angles angles = setup.home;
-    for (const auto& [name, value] : joints) {
-      const size_t axis = std::string("XYZABC").find(name);
-      angles[axis] = OfArm(setup, "linuxcnc", axis, value * kDegree);
+    Angles angles{};
+    for (const auto& [name, value] : joints) angles[std::string("XYZABC").find(name)] = value * kDegree;
+    targets.push_back(external.AtAngles(line, OfArm(setup, "linuxcnc", angles)));
+  }
+  return targets;
+}
+
+/// movej with joints, movep and movel with the tool in the robot's base: m, and axis times angle.
+std::vector<Target> ReadUrScript(const std::map<std::string, std::string>& files, const Setup& setup) {
+  static const std::regex motion(R"(^\s*move[jlp]\s*\(\s*(p?)\s*\[([^\]]*)\])");
+  const Matrix4 X_CT = ToolFrame(setup.urscript_tool_axis).inverse();
+  const Axes none("urscript", setup);
+  std::vector<Target> targets;
+  for (const Line& line : Whole(files, ".script")) {
+    std::smatch match;
+    if (!std::regex_search(line.text, match, motion)) continue;
+    std::istringstream numbers(std::regex_replace(match[2].str(), std::regex(","), " "));
+    Angles values{};
+    for (size_t axis = 0; axis < values.size(); ++axis) numbers >> values[axis];
+    if (match[1].length() == 0) {
+      targets.push_back(none.AtAngles(line, OfArm(setup, "urscript", values)));
+      continue;
     }
-    targets.push_back(external.AtAngles(line, angles));
+    const Vector3 turn(values[3], values[4], values[5]);
+    Matrix4 X_BC = Shift(1000 * values[0], 1000 * values[1], 1000 * values[2]);
+    if (turn.norm() > 0)
+      X_BC.block<3, 3>(0, 0) = Eigen::AngleAxis<Real>(turn.norm(), turn.normalized()).toRotationMatrix();
+    targets.push_back({line.file,
+                       line.number,
+                       std::nullopt,
+                       none.FromBelieved(line, true) * setup.X_WB * X_BC * X_CT,
+                       {},
+                       {}});
   }
   return targets;
 }
@@ -367,6 +283,8 @@ std::vector<Target> ReadProgram(const std::string& controller,
   if (controller == "krl") return ReadKrl(files, setup);
   if (controller == "sinumerik") return ReadSinumerik(files, setup);
   if (controller == "linuxcnc") return ReadLinuxCnc(files, setup);
+  if (controller == "urscript") return ReadUrScript(files, setup);
+  if (controller == "fanuc") return ReadFanuc(files, setup);
   throw std::runtime_error("programs/" + controller + ": no reader for this controller");
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "base/file.hpp"
 #include "audit/tessellate.hpp"
+#include "base/file.hpp"
 #include "tests/audit/folder.hpp"
 #include "tests/audit/yaml_values.hpp"
 
@@ -179,7 +179,10 @@ void ReadControllers(const YAML::Node& controllers, Setup* setup) {
   }
   setup->sinumerik_turn_known = !text("sinumerik", "ori_ipo_with_g_code", "").empty();
   setup->linuxcnc_tool_axis = text("linuxcnc", "tool_axis", "z");
+  setup->urscript_tool_axis = text("urscript", "tool_axis", "z");
   setup->linuxcnc_rotation = text("linuxcnc", "rotation", "rpy");
+  setup->fanuc_tool_axis = text("fanuc", "tool_axis", "z");
+  if (controllers["fanuc"]) setup->fanuc_height = controllers["fanuc"]["world_height_mm"].as<double>();
   for (const auto& controller : controllers) ReadControllerAxes(controller, setup);
   for (const auto& controller : controllers) {
     Setup::Count count;
@@ -188,6 +191,8 @@ void ReadControllers(const YAML::Node& controllers, Setup* setup) {
     if (controller.second["axis_signs"]) count.sign = Six(controller.second["axis_signs"], 1);
     if (controller.second["axis_offsets_deg"])
       count.offset = Six(controller.second["axis_offsets_deg"], kDegree);
+    for (const YAML::Node& row : controller.second["axis_couplings"])
+      count.coupling.at(row["axis"].as<size_t>() - 1) = Six(row["factors"], 1);
     setup->counts[controller.first.as<std::string>()] = count;
   }
   if (controllers["krl"]) ReadKrlFrames(controllers["krl"], setup);

@@ -51,6 +51,21 @@ class Table {
   int number_ = 0;
 };
 
+void ReadMarks(const Table& table, Row& row) {
+  constexpr Real kMicrometre = 1e-3L;
+  const auto cell = [&](const std::string& name) -> std::optional<Real> {
+    if (table.At(name.c_str()).empty()) return std::nullopt;
+    return kMicrometre * table.Number(name.c_str());
+  };
+  for (size_t gear = 0; gear < 6 + row.external.size(); ++gear) {
+    const std::string name =
+        "mark_" + std::string(gear < 6 ? "a" : "e") + std::to_string(gear < 6 ? gear + 1 : gear - 5) + "_um";
+    for (const char* per : {"", "_per_arcmin", "_per_um"})
+      if (table.Has((name + per).c_str())) row.marks.push_back(cell(name + per));
+  }
+  if (table.Has("lost_motion_um")) row.lost_motion = cell("lost_motion_um");
+}
+
 }  // namespace
 
 std::map<int, Deflected> ReadDeflected(const std::string& csv, const Matrix3& R_WP) {
@@ -63,7 +78,8 @@ std::map<int, Deflected> ReadDeflected(const std::string& csv, const Matrix3& R_
                                           kMicrometre * table.Number("normal_um"),
                                           kMicrometre * table.Number("feed_um"),
                                           kMicrometre * table.Number("across_um"),
-                                          kMicrometre * table.Number("length_um")};
+                                          kMicrometre * table.Number("length_um"),
+                                          table.At("side") == "air"};
   return rows;
 }
 
@@ -125,6 +141,7 @@ std::vector<Row> ReadPoints(const std::string& csv) {
       if (table.Has((name + "_deg").c_str()))
         row.external.push_back(table.Number((name + "_deg").c_str()) * kDegree);
     }
+    if (row.planned) ReadMarks(table, row);
     rows.push_back(row);
   }
   return rows;

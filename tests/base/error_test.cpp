@@ -7,10 +7,10 @@
 namespace millpose {
 
 TEST(Error, PlaceIsWrittenByWhatIsKnown) {
-  EXPECT_EQ(ToString(Place{"a.yaml", 3, 7}), "a.yaml:3:7");
-  EXPECT_EQ(ToString(Place{"a.yaml", 3}), "a.yaml:3");
-  EXPECT_EQ(ToString(Place{"a.stl", 0, 0, 84}), "a.stl, byte 84");
-  EXPECT_EQ(ToString(Place{"a.yaml"}), "a.yaml");
+  EXPECT_EQ(ToString(SourceLocation{"a.yaml", 3, 7}), "a.yaml:3:7");
+  EXPECT_EQ(ToString(SourceLocation{"a.yaml", 3}), "a.yaml:3");
+  EXPECT_EQ(ToString(SourceLocation{"a.stl", 0, 0, 84}), "a.stl, byte 84");
+  EXPECT_EQ(ToString(SourceLocation{"a.yaml"}), "a.yaml");
 }
 
 TEST(Error, AllProblemsAreInTheText) {
@@ -31,8 +31,8 @@ TEST(Error, NearestNameFindsSlipsAndLeavesStrangersAlone) {
 }
 
 TEST(Error, APlaceThatIsNotKnownLeavesTheMessageAlone) {
-  EXPECT_STREQ(InputError(Place{}, "no home").what(), "no home");
-  EXPECT_STREQ(InputError(Place{"a"}, std::string("b\0c", 3)).what(), "a: b?c");
+  EXPECT_STREQ(InputError(SourceLocation{}, "no home").what(), "no home");
+  EXPECT_STREQ(InputError(SourceLocation{"a"}, std::string("b\0c", 3)).what(), "a: b?c");
 }
 
 TEST(Error, OfManyProblemsTheFirstAreListedAndTheRestIsMentioned) {

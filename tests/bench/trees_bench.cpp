@@ -13,10 +13,10 @@
 #include <fcl/narrowphase/distance.h>
 
 #include "base/random.hpp"
-#include "machine/collision/apart.hpp"
-#include "machine/collision/solid.hpp"
 #include "geometry/mesh/bvh.hpp"
 #include "geometry/mesh/mesh.hpp"
+#include "machine/collision/apart.hpp"
+#include "machine/collision/solid.hpp"
 
 namespace millpose {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "program/krl/krl.hpp"
+#include "program/rapid/rapid.hpp"
 #include "tests/program/station_plan.hpp"
 #include "tests/program/verify/sample_cell.hpp"
 
@@ -16,8 +17,10 @@ const std::set<std::string> kPlant = {"SPINDLE_ON", "SPINDLE_OFF", "SUCTION", "L
 /// Texts that call programs of the plant, also for every pass.
 void AddPlant(const std::string& controller, PostSettings& settings) {
   const auto call = [&](const std::string& name, const std::string& argument) {
-    return controller == "linuxcnc" ? fmt::format("O<{}> CALL [{}]", name, argument)
-                                    : fmt::format("{}({})", name, argument);
+    if (controller == "rapid") return fmt::format("{} {};", name, argument);
+    return controller == "linuxcnc"
+               ? fmt::format("O<{}> CALL [{}]", name, argument)
+               : fmt::format("{}{}({})", controller == "fanuc" ? "CALL " : "", name, argument);
   };
   settings.texts["spindle_on"] = call("SPINDLE_ON", "{rpm}");
   settings.texts["spindle_off"] = call("SPINDLE_OFF", "0");
@@ -28,15 +31,24 @@ void AddPlant(const std::string& controller, PostSettings& settings) {
 
 PostSettings SettingsOf(const std::string& variant) {
   PostSettings settings = SampleSettings(variant);
-  settings.texts["coolant_on"] = variant.starts_with("krl") ? "$OUT[8]=TRUE" : "M8";
-  settings.texts["coolant_off"] = variant.starts_with("krl") ? "$OUT[8]=FALSE" : "M9";
+  const std::string controller = ControllerOf(variant);
+  const auto output = [&](bool on) -> std::string {
+    if (controller == "krl") return on ? "$OUT[8]=TRUE" : "$OUT[8]=FALSE";
+    if (controller == "fanuc") return on ? "DO[8]=ON" : "DO[8]=OFF";
+    if (controller == "urscript")
+      return fmt::format("set_standard_digital_out(7, {})", on ? "True" : "False");
+    if (controller == "rapid") return on ? "Set coolant;" : "Reset coolant;";
+    return on ? "M8" : "M9";
+  };
+  settings.texts["coolant_on"] = output(true);
+  settings.texts["coolant_off"] = output(false);
   if (variant.ends_with("_plant")) AddPlant(ControllerOf(variant), settings);
   if (variant.ends_with("_more")) {
     settings.path_acceleration = 2000;
     settings.load = ToolLoad{85, {-120, 0, 130}, {4, 5, 6}};
     settings.controller_axes = {{"E1", "", AxisKind::kLinear, 500}, {"E2", "", AxisKind::kRotary, -20.5}};
   }
-  if (variant.ends_with("_split")) settings.max_motions = 10;
+  if (variant.ends_with("_split") || variant.ends_with("_load")) settings.max_motions = 10;
   return settings;
 }
 
@@ -56,9 +68,18 @@ KrlOptions KrlOptionsOf(const std::string& variant) {
 /// What a machine with rail and table has beside the arm.
 void AddExternal(const std::string& controller, const PlanResult& plan, Machine& machine) {
   machine.external = controller == "krl"         ? std::vector<std::string>{"E1", "E2"}
+                     : controller == "fanuc"     ? std::vector<std::string>{"E1", "GP2_J1"}
                      : controller == "sinumerik" ? std::vector<std::string>{"RAIL_AX", "TAB_AX"}
+                     : controller == "rapid"     ? std::vector<std::string>{"eax_a", "eax_b"}
                                                  : std::vector<std::string>{"U", "V"};
-  machine.coupled = controller == "krl";
+  machine.coupled = controller == "krl" || controller == "rapid";
+  if (controller == "rapid") {
+    const RapidOptions options = RapidStations(plan, true);
+    machine.robroot.translation() = options.base_frame.position;
+    machine.root.translation() = options.work_unit->frame.position;
+    machine.unit = options.work_unit->name;
+    return;
+  }
   const KrlCellNumbers numbers = KrlNumbers(plan, true);
   machine.robroot.translation() = numbers.ersysroot;
   machine.carriage.translation() = numbers.carriage;
@@ -72,7 +93,8 @@ PlanResult PlanOf(const std::string& variant) {
   if (variant.ends_with("_stations")) return StationPlan("both");
   if (variant.ends_with("_plant"))
     return SamplePlan({.points = 2, .ring = false, .lift = variant == "linuxcnc_plant" ? 8.0 : 50.0});
-  const bool long_texts = variant == "linuxcnc" || variant == "krl_split" || variant == "krl_more";
+  const bool long_texts = variant == "linuxcnc" || variant == "krl_split" || variant == "krl_more" ||
+                          variant == "rapid_split" || variant == "rapid_load";
   PlanResult plan =
       long_texts ? SamplePlan({.points = 3, .passes = 1, .lift = 20}) : SamplePlan({.points = 4});
   plan.passes[0].points[0].point.kind = PointKind::kLeadIn;
@@ -102,8 +124,13 @@ Bed::Bed(const std::string& variant)
   const KrlOptions krl = KrlOptionsOf(variant);
   post_ = controller_ == "krl" ? std::make_unique<KrlPost>(krl) : SamplePost(variant);
   const bool stations = variant.ends_with("_stations");
+  if (variant == "rapid_load") {
+    RapidOptions options;
+    options.load_from = "HOME:/parts";
+    post_ = std::make_unique<RapidPost>(options);
+  }
   if (stations) {
-    StationPost post(controller_, plan_, controller_ == "krl");
+    StationPost post(controller_, plan_, controller_ == "krl" || controller_ == "rapid");
     settings_.X_WB = post.settings.X_WB;
     settings_.mechanism = post.settings.mechanism;
     settings_.controller_axes = post.settings.controller_axes;
@@ -119,6 +146,7 @@ Bed::Bed(const std::string& variant)
               settings_.tool_name};
   machine_.base_number = krl.base_number;
   machine_.tool_number = krl.tool_number;
+  if (variant == "fanuc_held") machine_.base_number = 1;
   if (variant.ends_with("_plant")) machine_.plant = kPlant;
   machine_.X_BP = program_.X_BP.value_or(Pose::Identity());
   if (stations) AddExternal(controller_, plan_, machine_);
@@ -140,6 +168,9 @@ MotionProgram Bed::Read(const Files& files) const {
 Trace Bed::Run(const Files& files) const {
   if (controller_ == "krl") return RunKrl(files, machine_);
   if (controller_ == "sinumerik") return RunSinumerik(files, machine_);
+  if (controller_ == "urscript") return RunUrScript(files, machine_);
+  if (controller_ == "fanuc") return RunFanuc(files, machine_);
+  if (controller_ == "rapid") return RunRapid(files, machine_);
   return RunLinuxCnc(files, machine_);
 }
 
@@ -159,9 +190,12 @@ const std::vector<std::unique_ptr<Bed>>& Beds() {
   static const std::vector<std::unique_ptr<Bed>> beds = [] {
     std::vector<std::unique_ptr<Bed>> list;
     for (const char* variant :
-         {"krl", "krl_more", "krl_numbered", "krl_split", "krl_stations", "sinumerik", "sinumerik_euler",
-          "sinumerik_split", "sinumerik_stations", "krl_plant", "sinumerik_plant", "linuxcnc_plant",
-          "linuxcnc_stations", "linuxcnc", "linuxcnc_cartesian"})
+         {"krl",       "krl_more",          "krl_numbered",    "krl_split",          "krl_stations",
+          "sinumerik", "sinumerik_euler",   "sinumerik_split", "sinumerik_stations", "krl_plant",
+          "urscript",  "urscript_plant",    "sinumerik_plant", "linuxcnc_plant",     "linuxcnc_stations",
+          "fanuc",     "fanuc_held",        "fanuc_split",     "fanuc_stations",     "fanuc_plant",
+          "rapid",     "rapid_split",       "rapid_load",      "rapid_plant",        "rapid_stations",
+          "linuxcnc",  "linuxcnc_cartesian"})
       list.push_back(std::make_unique<Bed>(variant));
     return list;
   }();

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "program/post.hpp"
-#include "tests/campaign/trace.hpp"
 #include "program/verify/verify.hpp"
+#include "tests/campaign/trace.hpp"
 
 namespace millpose::campaign {
 
@@ -16,7 +16,8 @@ struct Answer {
 
 class Bed {
  public:
-  /// `variant`: as SampleSettings() knows them, or krl_more, krl_split, sinumerik_split.
+  /// `variant`: as SampleSettings() knows them, or krl_more, krl_split, sinumerik_split, rapid_split,
+  /// rapid_load.
   explicit Bed(const std::string& variant);
 
   const std::string& variant() const { return variant_; }

@@ -112,7 +112,8 @@ void RunCampaign(size_t count, uint64_t seed) {
   const size_t harmless = table.Of(Effect::kSame, true) + table.Of(Effect::kSame, false);
   EXPECT_GT(harmless, count / 20);
   EXPECT_GT(table.Of(Effect::kChanged, false), count / 5);
-  EXPECT_LT(static_cast<double>(refusals), 0.005 * static_cast<double>(harmless)) << told;
+  // Of a few hundred mutants one or two more are chance.
+  EXPECT_LT(static_cast<double>(refusals), 2 + 0.005 * static_cast<double>(harmless)) << told;
 }
 
 TEST(Campaign, TheProgramsThemselvesRunAndAreConfirmed) {
@@ -122,7 +123,8 @@ TEST(Campaign, TheProgramsThemselvesRunAndAreConfirmed) {
     size_t lines = 0;
     for (const auto& [name, text] : bed->files())
       if (!name.ends_with(".dat")) lines += static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
-    EXPECT_LE(lines, bed->variant().ends_with("_plant") ? 160u : 100u) << bed->variant();
+    const bool positions = bed->controller() == "fanuc";  // of six lines each
+    EXPECT_LE(lines, positions ? 500u : bed->variant().ends_with("_plant") ? 160u : 100u) << bed->variant();
   }
 }
 

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "base/angles.hpp"
 #include "base/units.hpp"
-#include "program/controller_axes.hpp"
 
 namespace millpose::campaign {
 

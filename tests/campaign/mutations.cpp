@@ -15,6 +15,9 @@ using Lines = std::vector<std::string>;
 
 const Vocabulary& VocabularyOf(const std::string& controller) {
   if (controller == "krl") return KrlVocabulary();
+  if (controller == "urscript") return UrScriptVocabulary();
+  if (controller == "fanuc") return FanucVocabulary();
+  if (controller == "rapid") return RapidVocabulary();
   return controller == "sinumerik" ? SinumerikVocabulary() : LinuxCncVocabulary();
 }
 
@@ -72,7 +75,7 @@ class Mutator {
     if (pick < 9) return Insert(lines);
     if (pick < 13) return MoveLines(lines);
     if (pick < 16) return Words(lines[at_]);
-    Looks(lines);
+    Queries(lines);
   }
 
   /// One change all through the program, or a part of another one.
@@ -282,7 +285,7 @@ class Mutator {
   }
 
   /// What should change nothing, most of it.
-  void Looks(Lines& lines) {
+  void Queries(Lines& lines) {
     std::string& line = lines[at_];
     const size_t place = Index(line.size() + 1);
     switch (Index(12)) {
@@ -351,7 +354,11 @@ bool Mutant::MustPass() const {
       "blanks behind", "lower case",       "remark behind", "CRLF", "block number", "insert ",
       "insert    ",    "insert ; a remark"};
   // A frame that is stated again says the same, also where another follows before any motion.
-  for (const char* word : {"$BASE", "$TOOL", "$P_UIFR", "G10"})
+  for (const char* word : {"$BASE", "$TOOL", "$P_UIFR", "G10", "set_tcp", "set_payload", "set_standard",
+                           "SPINDLE_OFF(", "mp_wobj:=", "mp_tool:=", "LOCAL PERS"})
+    if (before.starts_with(word)) return false;
+  // What must have one value is held to it also where it is stated again before any motion.
+  for (const char* word : {"VelSet", "AccSet", "GripLoad", "ActUnit"})
     if (before.starts_with(word)) return false;
   // The check of the controller's frame is read as one text.
   for (const char* word : {"MP_", "LOOP", "HALT", "ENDLOOP", "ENDIF"})

@@ -29,6 +29,9 @@ struct Vocabulary {
 const Vocabulary& KrlVocabulary();
 const Vocabulary& SinumerikVocabulary();
 const Vocabulary& LinuxCncVocabulary();
+const Vocabulary& UrScriptVocabulary();
+const Vocabulary& FanucVocabulary();
+const Vocabulary& RapidVocabulary();
 
 /// One random change of one file, or two, or one all through it; `controller` says whose words it takes,
 /// `other` is the same program of another plan.

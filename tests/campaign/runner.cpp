@@ -203,7 +203,7 @@ Step& Mover::Event(Step::Kind kind, const std::string& words) {
 
 void Mover::Mark(const std::string& text) {
   static const std::regex mark(
-      R"(^\s*[;(]?(?:MSG\s*\(\s*"\s*)?\s*(ENDFOLD\s*\(\s*|FOLD\s+|END\s+OF\s+)?PASS\s+(-?[0-9.]+(?:E[-+]?\d+)?)\s+PIECE\s+(-?[0-9.]+(?:E[-+]?\d+)?))");
+      R"(^\s*[;!(]?(?:MSG\s*\(\s*"\s*)?\s*(ENDFOLD\s*\(\s*|FOLD\s+|END\s+OF\s+)?PASS\s+(-?[0-9.]+(?:E[-+]?\d+)?)\s+PIECE\s+(-?[0-9.]+(?:E[-+]?\d+)?))");
   std::smatch found;
   const std::string line_text = Upper(text);
   if (!std::regex_search(line_text, found, mark)) return;

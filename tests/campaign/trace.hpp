@@ -31,6 +31,7 @@ struct Machine {
   Pose flange = Pose::Identity();        ///< what turns, in it
   int base_number = 0, tool_number = 0;  ///< of the frames that the controller holds; 0: none
   Pose X_BP = Pose::Identity();          ///< the base of that number
+  std::string unit = {};                 ///< RAPID: mechanical unit of root, in upper case
   std::set<std::string> plant = {};      ///< names of the plant's programs that texts call
 };
 
@@ -77,5 +78,8 @@ Judgement Judge(const Trace& original, const Trace& mutant, const Machine& machi
 Trace RunKrl(const Files& files, const Machine& machine);
 Trace RunSinumerik(const Files& files, const Machine& machine);
 Trace RunLinuxCnc(const Files& files, const Machine& machine);
+Trace RunUrScript(const Files& files, const Machine& machine);
+Trace RunFanuc(const Files& files, const Machine& machine);
+Trace RunRapid(const Files& files, const Machine& machine);
 
 }  // namespace millpose::campaign

@@ -38,6 +38,10 @@ LEFT_OUT = {
        for key in ("convention", "tolerance_mm", *(f"rows[].{of}" for of in ("a_mm", "alpha_deg", "d_mm", "theta_deg", "sign")))},
     "arm.family": "another arm altogether (cli_parallel_arm)", "arm.lengths_mm.d5": "of parallel axes alone",
     "reproduction_only": "such cells get no programs", "cell": "another name of the same file",
+    **{f"workpiece.registered.{key}": "no pose but its uncertainty, for summary.json alone (cli_register)"
+       for key in ("pose.xyz_mm", "pose.abc_deg", "centre_mm", "covariance_mm_mrad")},
+    "workpiece.registration.tolerance_mm": "a bound on that (cli_register)",
+    "compensation.map_csv": "another name of the same file (cli_register)",
     "workpiece.stock.unit": "a stock of another size touches at home",
     "toolpath.drill.circles.diameter_mm": "of another diameter there is no hole",
     "toolpath.strategy": "each has keys of its own: the variants",

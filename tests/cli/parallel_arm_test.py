@@ -59,7 +59,7 @@ class ParallelArm(unittest.TestCase):
         self.assertEqual(self.result.returncode, 0, self.result.stdout + self.result.stderr)
         summary = json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
         self.assertEqual((summary["points"]["skipped"], summary["gaps"]["total"]), (0, summary["gaps"]["planned"]))
-        self.assertEqual([(p["controller"], p["verified"]) for p in summary["programs"]], [("linuxcnc", True)])
+        self.assertEqual([(p["controller"], p["verified"]) for p in summary["programs"]], [("linuxcnc", True), ("urscript", True)])
         status, verdict = BENCH.audit(self.folder, self.job)
         self.assertEqual((status, verdict["broken"]), (0, {}))
         verified = BENCH.run("verify", self.folder)
@@ -81,9 +81,10 @@ class ParallelArm(unittest.TestCase):
         cell, count = re.subn(r"  family: .*\n(  #.*\n)?  lengths_mm: .*\n  axis_signs: .*\n  zero_offsets_deg: .*\n",
                               "  urdf: {file: ur10e.urdf, base_link: l0, flange_link: l6}\n", cell)
         self.assertEqual(count, 1)
+        cell = re.sub(r"  # The maker.*\n  urscript: .*\n", "", cell)
         cell = cell.replace("linuxcnc: {}", "linuxcnc: {axis_signs: [1, 1, 1, 1, 1, 1], axis_offsets_deg: [0, 0, 0, 0, 0, 0]}")
         (BENCH.top / "cells/own.yaml").write_text(cell, encoding="utf-8")
-        job = BENCH.job("ur10e_pad", [("ur10e.yaml", "own.yaml"), (r"\[-800, 0, 500\], abc_deg: \[0, 90, 0\]",
+        job = BENCH.job("ur10e_pad", [("ur10e.yaml", "own.yaml"), (r"programs: .*", "programs: [linuxcnc]"), (r"\[-800, 0, 500\], abc_deg: \[0, 90, 0\]",
                                                                    "[800, 0, 500], abc_deg: [0, -90, 0]")], "own")
         result, folder = BENCH.plan(job, "own")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
@@ -96,6 +97,53 @@ class ParallelArm(unittest.TestCase):
     def test_threads_and_another_run_give_the_same_bytes(self):
         _, other = BENCH.plan(self.job, "threads", "--threads", "3")
         self.assertEqual(differences(contents(self.folder), contents(other)), [])
+
+    def test_urscript_is_confirmed_but_for_its_corners(self):
+        stated = "confirmed but for a stated gap: the corner's path, bounded by "
+        program = next((self.folder / "programs" / "urscript").iterdir())
+        text = program.read_text(encoding="utf-8")
+        self.assertIn("# verdict: " + stated, text)
+        self.assertIn(stated, self.result.stdout)
+        summary = json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
+        of = {p["controller"]: p["but_for"] for p in summary["programs"]}
+        self.assertIsNone(of["linuxcnc"])
+        self.assertEqual(of["urscript"]["what"], "corner")
+        self.assertTrue(0 <= of["urscript"]["bound_mm"] <= 0.05)
+        self.assertIn("triangle", of["urscript"]["assumption"])
+        for target in ((self.folder,), (program, "--cell", BENCH.top / "cells/ur10e.yaml"), (program, "--plan", self.folder)):
+            verified = BENCH.run("verify", *target)
+            self.assertEqual(verified.returncode, 0, verified.stdout + verified.stderr)
+            self.assertIn("confirmed but for a stated gap", verified.stdout)
+            self.assertRegex(verified.stdout, r"not known: the corner's path, bounded by 0\.\d+ mm")
+        told = json.loads(BENCH.run("verify", program, "--plan", self.folder, "--json").stdout)["programs"][0]
+        self.assertTrue(told["confirmed"])
+        self.assertAlmostEqual(told["but_for"]["bound_mm"], of["urscript"]["bound_mm"], 4)
+
+    def test_urscript_is_withheld_beyond_the_bound_that_the_cell_allows(self):
+        cell = (BENCH.top / "cells/ur10e.yaml").read_text(encoding="utf-8")
+        for name, section in (("silent", "{}"), ("wide", "{max_corner_mm: 0.6}")):
+            changed = cell.replace("urscript: {max_corner_mm: 0.05}", "urscript: " + section)
+            self.assertNotEqual(changed, cell)
+            (BENCH.top / f"cells/{name}.yaml").write_text(changed, encoding="utf-8")
+            result, folder = BENCH.plan(BENCH.job("ur10e_pad", [("ur10e.yaml", name + ".yaml")], name), name)
+            if name == "wide":
+                self.assertEqual(result.returncode, 2)
+                self.assertIn("at most interference.swept_resolution_mm, 0.5 mm", result.stderr)
+                continue
+            self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+            self.assertIn("max_corner_mm", result.stdout)
+            self.assertEqual([p.name for p in (folder / "programs").iterdir()], ["linuxcnc"])
+            summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+            self.assertEqual([(p["verified"], p["but_for"]) for p in summary["programs"]], [(True, None), (False, None)])
+
+    def test_a_batch_tells_what_is_not_known_and_is_no_failure(self):
+        out = BENCH.top / "batch.out"
+        result = BENCH.run("batch", self.job, "--out", out)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        stated = "urscript: confirmed but for a stated gap"
+        self.assertIn(stated, result.stdout)
+        self.assertIn("<system-out>" + stated, (out / "junit.xml").read_text(encoding="utf-8"))
+        self.assertIn(stated, json.loads((out / "batch.json").read_text(encoding="utf-8"))["jobs"][0]["remarks"][0])
 
     def test_krl_and_sinumerik_are_refused_in_words(self):
         why = "tell the configurations of a spherical wrist apart"
@@ -110,7 +158,7 @@ class ParallelArm(unittest.TestCase):
         both = BENCH.job("ur10e_pad", [("ur10e.yaml", "both.yaml")], "both")
         result = BENCH.run("check", both)
         self.assertEqual(result.returncode, 2)
-        self.assertRegex(result.stderr, r"both\.yaml:\d+.*controllers: sinumerik cannot program .*allowed: linuxcnc")
+        self.assertRegex(result.stderr, r"both\.yaml:\d+.*controllers: sinumerik cannot program .*allowed: linuxcnc, urscript")
 
     def test_lengths_belong_to_their_family(self):
         for old, new, message in ((r", d5: 119.85", "", "arm.lengths_mm.d5: missing; required where arm.family is parallel_axes"),

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the real millpose's stiffness, identify and flatness. Usage: stiffness_test.py MILLPOSE TOP"""
 import json
+import math
 import os
 import re
 import subprocess
@@ -245,6 +246,54 @@ class Identify(Answers):
             self.assertEqual(result.returncode, 1, result.stderr)
             self.assertIn("2 measurements in 2 poses", result.stdout)
             self.assertNotIn("nan", result.stdout)
+
+    def test_readings_both_ways_give_lost_motion(self):
+        def readings(step, joint=1):
+            """The dial steps by `step` mm when the joint comes from the other side."""
+            return (f"millpose_measurements: 1\nmeasured_point_mm: [-250, 0, 250]\ntwo_way:\n"
+                    f"  - {{joint: {joint}, joints_deg: [0, -60, 80, 0, 60, 0], direction: [0, -1, 0],\n"
+                    f"     from_below_mm: [0.011, 0.012, 0.013], from_above_mm: [{0.011 + step}, {0.012 + step}, {0.013 + step}]}}\n")
+
+        def found(cell, step):
+            write(path, readings(step))
+            result = run("identify", path, "--cell", cell, "--json")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            return json.loads(result.stdout)["lost_motion"][0]
+
+        with tempfile.TemporaryDirectory() as folder:
+            path, cell = os.path.join(folder, "m.yaml"), os.path.join(folder, "cell.yaml")
+            with open(f"{TOP}/cells/kr500_r2830.yaml", encoding="utf-8") as file:
+                write(cell, file.read())
+            joint = found(cell, 0.17)
+            self.assertTrue(joint["determined"])
+            self.assertAlmostEqual(joint["half_difference_mm"], 0.085, 9)
+            self.assertLess(joint["lower_95_arcmin"], joint["lost_motion_arcmin"])
+            self.assertLess(joint["lost_motion_arcmin"], joint["upper_95_arcmin"])
+            self.assertAlmostEqual(found(cell, 0.34)["lost_motion_arcmin"] / joint["lost_motion_arcmin"], 2, 9)
+            radius = 0.17 / (joint["lost_motion_arcmin"] / 60 * math.pi / 180)
+            self.assertTrue(500 < radius < 4000, radius)
+            write(path, readings(0.17))
+            result = run("identify", path, "--cell", cell, "--write-cell", cell)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with open(cell, encoding="utf-8") as file:
+                after = file.read()
+            self.assertRegex(after, rf"lost_motion_arcmin: \[{joint['lost_motion_arcmin']:.3g}, 0.3, 0.3, 0.3, 0.3, 0.3\]")
+            self.assertIn("millpose identify m.yaml, but as before", after)
+            self.assertEqual(run("identify", path, "--cell", cell).returncode, 0)
+            # The readings exchanged, of too few, of a cell that states none.
+            write(path, readings(-0.17))
+            result = run("identify", path, "--cell", cell)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("wrong sign", result.stdout)
+            write(path, readings(0.17).replace(", 0.013]", "]").replace("[0.011, 0.012", "[0.011"))
+            self.assertIn("too few readings", run("identify", path, "--cell", cell).stdout)
+            write(path, readings(0.17).replace("from_above_mm", "pushed_along_mm"))
+            self.assert_refused("pushed_along_mm: has no effect without push_N", "identify", path, "--cell", cell)
+            small = os.path.join(folder, "small.yaml")
+            with open(f"{TOP}/cells/ur10e.yaml", encoding="utf-8") as file:
+                write(small, file.read())
+            write(path, readings(0.17))
+            self.assert_refused("no number for A2 A3 A4 A5 A6, and the cell states none", "identify", path, "--cell", small, "--write-cell", small)
 
     def test_bad_csv_measurements_are_answered_by_line(self):
         head = "a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,fx_N,fy_N,fz_N,dx_mm,dy_mm,dz_mm"

@@ -251,7 +251,7 @@ class Calibrate(Row):
         self.job.write_text(changed(self.text, ("stepover_mm: 60", "stepover_mm: 16"), ("spacing_mm: 60", "spacing_mm: 16")))
         self.millpose("plan", self.job, "-o", self.top / "out", "--threads", 1)
         X_WP = json.loads((self.top / "out" / "summary.json").read_text())["cell"]["X_WP"]
-        read = lambda name: list(csv.DictReader((self.top / "out" / name).open()))
+        read = lambda name: list(csv.DictReader((self.top / "out" / name).read_text().splitlines()))
         points = read("points.csv")
         lines = ["x_mm,y_mm,z_mm,error_um"]
         for i, row in enumerate(row for row in read("deflection.csv") if row["side"] != "air"):
@@ -262,6 +262,21 @@ class Calibrate(Row):
 
     def command(self):
         return MILLPOSE, "calibrate", self.top / "measured.csv", "--plan", self.top / "out", "--job", self.job, "--write-job", self.job
+
+
+class Face(Row):
+    quick = 4
+    part = staticmethod(of_folder)
+
+    def prepare(self):
+        self.job = self.top / "job.yaml"
+        self.job.write_text(self.text)
+        self.millpose("plan", self.job, "-o", self.top / "out", "--threads", 1)
+        (self.top / "face.csv").write_text("an older face")
+
+    def command(self):
+        return (MILLPOSE, "face", self.top / "out", "--job", self.job, "--threads", 1, "--draws", 0, "--spacing-mm", 4,
+                "--csv", self.top / "face.csv")
 
 
 class Check(Row):
@@ -284,6 +299,25 @@ class Map(Row):
     def command(self):
         return (MILLPOSE, "stiffness", TOP / "cells/kr500_r2830.yaml", "--map", "dexterity", "--plane", 1500, -500, 800, 2200, -500, 800,
                 1500, 500, 800, "--steps", 2, 2, "--tool-axis", -1, 0, 0, "-o", self.top / "map")
+
+
+class Register(Row):
+    quick = 4
+
+    def prepare(self):
+        self.job = self.top / "job.yaml"
+        self.job.write_text(self.text)
+        # Balls of 3 mm radius on five faces of the block, which stands 0.5 mm higher than the job says.
+        rows = ["x_mm,y_mm,z_mm"]
+        for along in (-25, 0, 25):
+            low = -18 + 0.3 * abs(along)  # no three of a face in a line
+            for x, y, z in ((along, low, 3), (43, along, low), (-43, along, low), (along, 43, low), (along, -43, low)):
+                rows.append(f"{2076 - z},{y},{1006 + x + 0.5}")
+        (self.top / "points.csv").write_text("\n".join(rows) + "\n")
+
+    def command(self):
+        return (MILLPOSE, "register", self.job, "--probe", self.top / "points.csv", "--sd-mm", 0.02, "--tool-radius-mm", 3,
+                "--propose", 0, "--threads", 1, "--write-job", self.job)
 
 
 class Reads(Row):
@@ -312,7 +346,7 @@ class Flatness(Row):
 
 # What every command of the program's table writes with; what it only reads with, where it writes nothing.
 WRITERS = {"plan": (Plan, PlanOfOperations, Share), "batch": (Batch, BatchOnSlurm), "place": (Place,), "init": (Init,),
-           "identify": (Identify,), "calibrate": (Calibrate,), "check": (Check,), "stiffness": (Map,)}
+           "identify": (Identify,), "calibrate": (Calibrate,), "register": (Register,), "face": (Face,), "check": (Check,), "stiffness": (Map,)}
 READERS = {"verify": reading("verify", "@out"), "inspect": reading("inspect", "@out"), "flatness": Flatness,
            "schema": without_folder("schema", "job"), "man": without_folder("man"), "completion": without_folder("completion")}
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A program beside its plan, as `millpose verify` takes it: read by the reader of every controller, replayed
 // with the plan and without.
+#include "program/verify/causes.hpp"
 #include "tests/fuzz/entries.hpp"
 #include "tests/program/verify/sample_cell.hpp"
-#include "program/verify/causes.hpp"
 
 namespace millpose {
 namespace {

@@ -96,7 +96,7 @@ TEST(StepFaces, BoundsTellWhatARegionMayHold) {
 TEST(StepFaces, EveryOtherWayCutsSoundFaces) {
   for (const TopoDS_Shape& shape :
        {BRepPrimAPI_MakeCylinder(15, 40).Shape(), BRepPrimAPI_MakeSphere(20).Shape()})
-    for (const RecutWay& way : kRecutWays)
+    for (const RecutLength& way : kRecutWays)
       for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next()) {
         const TopoDS_Face face = TopoDS::Face(it.Current());
         GProp_GProps properties;

@@ -2,8 +2,8 @@
 // Holes and edges of STEP parts: drilled and trimmed by their faces' names.
 #include "base/units.hpp"
 #include "geometry/import/mesh_import.hpp"
-#include "geometry/mesh/round_holes.hpp"
 #include "geometry/import/step_reader.hpp"
+#include "geometry/mesh/round_holes.hpp"
 #include "tests/geometry/step_parts.hpp"
 #include "toolpath/make_toolpath.hpp"
 #include "toolpath/strategies/drill.hpp"

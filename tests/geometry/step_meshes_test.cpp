@@ -58,12 +58,12 @@ TEST_F(StepMeshes, ARunGoesOnWithTheMeshThatWasKept) {
   cut.step_meshes.begin()->second = Hash(cut.workpiece_bytes);
   KeepMeshes(cut, folder);
   JobInputs resumed = inputs_;
-  TakeKeptMeshes(folder, &resumed);
+  TakeCachedMeshes(folder, &resumed);
   EXPECT_EQ(resumed.workpiece_bytes, cut.workpiece_bytes);
   EXPECT_EQ(resumed.hash, HashOf(cut));
   JobInputs finer = inputs_;  // is not what was kept
   finer.job.workpiece.chord_tolerance /= 2;
-  TakeKeptMeshes(folder, &finer);
+  TakeCachedMeshes(folder, &finer);
   EXPECT_FALSE(IsStepTriangles(finer.workpiece_bytes));
 }
 
@@ -81,7 +81,7 @@ TEST_F(StepMeshes, TheManifestNamesTheMeshAndVerifyTakesIt) {
   const auto& [key, hash] = *cut.step_meshes.begin();
   EXPECT_EQ(CheckManifest(base_).files.at("meshes/" + key + ".mesh").hash, hash);
   JobInputs verified = inputs_;
-  TakeKeptMeshes(base_, &verified);
+  TakeCachedMeshes(base_, &verified);
   EXPECT_EQ(verified.workpiece_bytes, cut.workpiece_bytes);
   EXPECT_EQ(verified.hash, cut.hash);
 }

@@ -70,6 +70,39 @@ TEST(Step, PartsInMillimetresAndInchesAreTheSame) {
   }
 }
 
+TEST(Step, BodiesOfAnAssemblyKeepTheirNamesAndStayApart) {
+  const ImportResult import = Imported(AssemblyStep(), 1);
+  const ImportReport& report = import.report;
+  ASSERT_EQ(report.bodies.size(), 3u);
+  const std::array<std::string, 3> names{"plate", "rib", "rib (2)"};
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(report.bodies[i].name, names[i]);
+    EXPECT_EQ(report.bodies[i].pieces, 1u) << names[i];
+    EXPECT_EQ(report.bodies[i].closed_pieces, 1u) << names[i];
+  }
+  EXPECT_NEAR(report.bodies[0].area, 2 * (6000 + 1000 + 600), 1e-6);
+  EXPECT_NEAR(report.bodies[2].area, 2 * (600 + 300 + 1800), 1e-6);
+  EXPECT_EQ(report.pieces, 3u);
+  EXPECT_EQ(report.closed_pieces, 3u);
+  EXPECT_EQ(report.rims, 0u);
+  EXPECT_EQ(report.crossings.pairs, 0u) << "they touch";
+  EXPECT_EQ(Findings(report), std::vector<std::string>{
+                                  "3 unconnected pieces, 3 of them closed; 3 bodies: plate, rib, rib (2)"});
+  // Each face is its body's: the ribs' lie above the plate.
+  ASSERT_EQ(report.body_of_source.size(), 18u);
+  for (int f = 0; f < import.mesh.face_count(); ++f) {
+    const Eigen::Vector3d middle =
+        (import.mesh.Corner(f, 0) + import.mesh.Corner(f, 1) + import.mesh.Corner(f, 2)) / 3;
+    const int body = report.body_of_source[static_cast<size_t>(import.mesh.triangles().source[f])];
+    if (middle.z() < 10 - 1e-6) {
+      EXPECT_EQ(body, 0);
+    } else if (middle.z() > 10 + 1e-6) {
+      EXPECT_EQ(body, middle.x() < 30 ? 1 : 2);
+    }
+  }
+  EXPECT_EQ(Imported(DrilledBlockStep("MM"), 1).report.bodies.size(), 1u);
+}
+
 TEST(Step, TheFilesUnitMustBeTheJobs) {
   const RawMesh raw = ReadMesh(DrilledBlockStep("INCH"), "part.step", Options());
   EXPECT_EQ(raw.stated_unit, 25.4);

@@ -31,12 +31,13 @@ void ExpectGolden(const std::string& controller, const std::string& folder, cons
 class Golden : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Variants, Golden,
                          testing::Values("krl", "sinumerik", "sinumerik_euler", "linuxcnc",
-                                         "linuxcnc_cartesian"),
+                                         "linuxcnc_cartesian", "urscript", "fanuc", "fanuc_held", "rapid"),
                          [](const auto& variant) { return variant.param; });
 
 TEST_P(Golden, WholeText) {
   const PostSettings settings = SampleSettings(GetParam());
-  const bool long_one = GetParam() == "krl" || GetParam() == "sinumerik";
+  const bool long_one =
+      GetParam() == "krl" || GetParam() == "sinumerik" || GetParam() == "fanuc" || GetParam() == "rapid";
   ExpectGolden(ControllerOf(GetParam()), GetParam(),
                SamplePlan({.points = long_one ? 6 : 4, .ring = long_one}), *SamplePost(GetParam()), settings);
 }
@@ -50,7 +51,7 @@ class GoldenStations : public testing::TestWithParam<Carried> {};
 INSTANTIATE_TEST_SUITE_P(Variants, GoldenStations,
                          testing::Values(Carried{"krl", "rail", true}, Carried{"krl", "table", true},
                                          Carried{"krl", "table", false}, Carried{"sinumerik", "rail", false},
-                                         Carried{"linuxcnc", "both", false}));
+                                         Carried{"linuxcnc", "both", false}, Carried{"rapid", "both", true}));
 
 TEST_P(GoldenStations, WholeText) {
   const auto [variant, axes, coupled] = GetParam();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/paper/figure3.hpp"
 
-#include "planning/pose/map.hpp"
 #include "machine/stiffness/compliance.hpp"
+#include "planning/pose/map.hpp"
 #include "tests/paper/paper_data.hpp"
 
 namespace millpose {

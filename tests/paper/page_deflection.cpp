@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Table 7, equation 37: what static compliance says about deflection.
-#include "toolpath/engagement/process_force.hpp"
 #include "tests/paper/page.hpp"
+#include "toolpath/engagement/process_force.hpp"
 
 namespace millpose {
 namespace {

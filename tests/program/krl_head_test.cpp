@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "base/angles.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "program/controller_axes.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/krl/krl.hpp"
 #include "program/scanner.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {

@@ -6,9 +6,9 @@
 #include <random>
 
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/bound_turns.hpp"
 #include "program/economy.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "planning/result/station.hpp"
 #include "program/bound_turns.hpp"
 #include "program/economy.hpp"
@@ -14,7 +15,6 @@
 #include "program/krl/krl.hpp"
 #include "program/make_timeline.hpp"
 #include "program/scanner.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/program/interpreter.hpp"
 #include "tests/program/program_lines.hpp"
 #include "tests/program/station_plan.hpp"
@@ -59,8 +59,8 @@ TEST(RideMotions, EachPointHasItsOwnPositionAndTheTipItsPath) {
     const PlanResult plan = RidePlan(axes);
     const MotionProgram program = MakeMotionProgram(plan, SampleFeeds()),
                         standing = MakeMotionProgram(StationPlan(axes), SampleFeeds());
-    EXPECT_TRUE(HasRides(program));
-    EXPECT_FALSE(HasRides(standing));
+    EXPECT_TRUE(HasCoordinatedMotions(program));
+    EXPECT_FALSE(HasCoordinatedMotions(standing));
     ASSERT_EQ(program.motions.size(), standing.motions.size());
     int rides = 0;
     for (size_t i = 0; i < program.motions.size(); ++i) {
@@ -73,9 +73,9 @@ TEST(RideMotions, EachPointHasItsOwnPositionAndTheTipItsPath) {
         EXPECT_LT((motion.X_PT.matrix() - standing.motions[i].X_PT.matrix()).cwiseAbs().maxCoeff(), 1e-7)
             << i;
       }
-      EXPECT_EQ(motion.X_BP_begin.has_value(), Rides(program, i)) << i;
-      rides += Rides(program, i);
-      if (!Rides(program, i)) continue;
+      EXPECT_EQ(motion.X_BP_begin.has_value(), CoordinatedMotions(program, i)) << i;
+      rides += CoordinatedMotions(program, i);
+      if (!CoordinatedMotions(program, i)) continue;
       EXPECT_EQ(motion.X_BP_begin->matrix(), program.motions[i - 1].X_BP->matrix());
       EXPECT_TRUE(IsCut(program, i));  // approach and retract stand
     }
@@ -88,7 +88,7 @@ TEST(RideMotions, TheTipGoesStraightOnThePart) {
   const PlanResult plan = RidePlan("both");
   const MotionProgram program = MakeMotionProgram(plan, SampleFeeds());
   for (size_t i = 1; i < program.motions.size(); ++i) {
-    if (!Rides(program, i)) continue;
+    if (!CoordinatedMotions(program, i)) continue;
     const Motion &from = program.motions[i - 1], &to = program.motions[i];
     for (const double share : {0.0, 0.2, 0.5, 0.9, 1.0}) {
       ExternalPosition there;
@@ -110,7 +110,7 @@ TEST(RideMotions, TakeNoLessThanTheExternalAxesNeed) {
     const MotionProgram program = MakeMotionProgram(plan, SampleFeeds());
     const std::vector<TimeLaw> laws = TimeMotions(program, plan.arm, {});
     for (size_t i = 1; i < laws.size(); ++i) {
-      if (!Rides(program, i)) continue;
+      if (!CoordinatedMotions(program, i)) continue;
       const double way = std::abs(program.motions[i].external[0] - program.motions[i - 1].external[0]);
       EXPECT_GE(laws[i].duration, way / speed * (1 - 1e-12)) << i;
       if (speed < 10) {
@@ -157,7 +157,7 @@ TEST(RideMotions, PointsBetweenAreLeftOutWhereTheAxesGoEvenlyAlone) {
     for (size_t i = 0; i < result.program.motions.size(); ++i) {
       const Motion& motion = result.program.motions[i];
       points += motion.pass == 0 && motion.point >= 0;
-      EXPECT_EQ(motion.X_BP_begin.has_value(), Rides(result.program, i));
+      EXPECT_EQ(motion.X_BP_begin.has_value(), CoordinatedMotions(result.program, i));
       if (motion.X_BP_begin) {
         EXPECT_EQ(motion.X_BP_begin->matrix(), result.program.motions[i - 1].X_BP->matrix());
       }
@@ -183,7 +183,7 @@ TEST(RideMotions, DividedOnesGoOnEvenly) {
   PlanResult turned = plan;
   BoundTurns(program, origin, plan.arm, bound);
   for (size_t i = 1; i < program.motions.size(); ++i) {
-    EXPECT_EQ(program.motions[i].X_BP_begin.has_value(), Rides(program, i));
+    EXPECT_EQ(program.motions[i].X_BP_begin.has_value(), CoordinatedMotions(program, i));
     if (program.motions[i].X_BP_begin) {
       EXPECT_EQ(program.motions[i].X_BP_begin->matrix(), program.motions[i - 1].X_BP->matrix());
     }
@@ -199,7 +199,7 @@ TEST_P(RidePosts, WritesTheSameAgainAfterReading) {
   if (ControllerOf(GetParam().variant) == "linuxcnc") return;  // has more motions
   ASSERT_EQ(read.motions.size(), Prepared(program, *post.post, post.settings, plan.arm).motions.size());
   int rides = 0;
-  for (size_t i = 0; i < read.motions.size(); ++i) rides += Rides(read, i);
+  for (size_t i = 0; i < read.motions.size(); ++i) rides += CoordinatedMotions(read, i);
   EXPECT_GE(rides, 6);
 }
 
@@ -288,7 +288,7 @@ TEST(RideTexts, ARailMeasuredOtherwiseNeedsNoOtherBaseWithinACut) {
   EXPECT_EQ(post.Write(read, plan.arm, whole.settings), files);
   int compared = 0;
   for (size_t i = 0; i < read.motions.size(); ++i) {
-    if (!Rides(read, i)) continue;
+    if (!CoordinatedMotions(read, i)) continue;
     for (const double share : {0.0, 0.5, 1.0}) {
       const ExternalPosition there = ExternalOf(read, i, share);
       const PoseLine line(read.motions[i].X_BP_begin ? read.motions[i - 1].X_PT : Pose::Identity(),

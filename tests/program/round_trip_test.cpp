@@ -28,7 +28,8 @@ class EachPost : public testing::TestWithParam<std::string> {
 };
 INSTANTIATE_TEST_SUITE_P(Controllers, EachPost,
                          testing::Values("krl", "sinumerik", "sinumerik_euler", "linuxcnc",
-                                         "linuxcnc_cartesian"),
+                                         "linuxcnc_cartesian", "fanuc", "fanuc_held", "fanuc_cnt",
+                                         "fanuc_cr"),
                          [](const auto& controller) { return controller.param; });
 
 TEST(Posts, RegistryNamesThem) {
@@ -134,13 +135,16 @@ TEST_P(EachPost, RoundingKeepsTheTipAndTheMarks) {
   ASSERT_EQ(read.motions.size(), program.motions.size());
   const Pose X_BP = read.X_BP.value_or(*program.X_BP);
   const Pose X_FT = read.X_FT.value_or(*program.X_FT);
+  const bool ls = ControllerOf(GetParam()) == "fanuc";  // three decimals; J by joints, L with CONFIG
   int last_line = 0;
   for (size_t i = 0; i < read.motions.size(); ++i) {
     const Motion &given = program.motions[i], &motion = read.motions[i];
     EXPECT_EQ(motion.type, given.type);
     EXPECT_EQ(motion.exact, given.exact);
-    EXPECT_EQ(motion.status, given.status);
-    EXPECT_EQ(motion.turn, given.turn);
+    if (!ls) {
+      EXPECT_EQ(motion.status, given.status);
+      EXPECT_EQ(motion.turn, given.turn);
+    }
     EXPECT_EQ(motion.pass, given.pass);
     EXPECT_GT(std::exchange(last_line, motion.line), -1);
     EXPECT_GT(motion.line, 0);
@@ -149,9 +153,15 @@ TEST_P(EachPost, RoundingKeepsTheTipAndTheMarks) {
     }
     const Pose wanted = *program.X_BP * given.X_PT;
     const Pose written = motion.q ? ForwardFlange(plan.arm, *motion.q) * X_FT : X_BP * motion.X_PT;
-    EXPECT_LT((wanted.translation() - written.translation()).norm(), 0.001) << motion.line;
-    EXPECT_LT(Eigen::AngleAxisd(wanted.linear().transpose() * written.linear()).angle(), 0.0002 * kRadPerDeg);
-    if (motion.status) {
+    EXPECT_LT((wanted.translation() - written.translation()).norm(), ls && motion.q ? 0.06 : 0.001)
+        << motion.line;
+    EXPECT_LT(Eigen::AngleAxisd(wanted.linear().transpose() * written.linear()).angle(),
+              (ls ? 0.002 : 0.0002) * kRadPerDeg);
+    if (ls && !motion.q) {
+      EXPECT_EQ(motion.status, Status(plan.arm, *given.q));
+      EXPECT_TRUE(((settings.axes.FromArm(*given.q) - *motion.least).array() >= 0).all());
+    }
+    if (motion.turn) {
       const auto q = AnglesAt(plan.arm, read.axes, written * X_FT.inverse(), *motion.status, *motion.turn);
       ASSERT_TRUE(q);
       EXPECT_LT((*q - *given.q).norm(), 1e-4);
@@ -169,7 +179,7 @@ TEST_P(EachPost, AxisConventionIsUndoneWhenReading) {
   EXPECT_NE(other, files);
   const MotionProgram read = Read(other);
   EXPECT_EQ(post->Write(read, plan.arm, settings), other);
-  EXPECT_LT((*read.motions.front().q - plan.home).norm(), 1e-7);
+  EXPECT_LT((*read.motions.front().q - plan.home).norm(), ControllerOf(GetParam()) == "fanuc" ? 4e-5 : 1e-7);
 }
 
 TEST_P(EachPost, SplitsBehindRetractsOnly) {
@@ -201,7 +211,7 @@ TEST_P(EachPost, SplitsBehindRetractsOnly) {
 
 TEST_P(EachPost, ReadsSubprogramsAsCalled) {
   settings.max_motions = 12;
-  if (ControllerOf(GetParam()) == "linuxcnc") return;
+  if (ControllerOf(GetParam()) == "linuxcnc" || ControllerOf(GetParam()) == "fanuc") return;
   ProgramFiles parts = post->Write(program, plan.arm, settings);
   const std::string stem = "Sample_wall_plan",
                     extension = ControllerOf(GetParam()) == "krl" ? ".src" : ".spf";
@@ -224,6 +234,7 @@ TEST_P(EachPost, ReadsSubprogramsAsCalled) {
 }
 
 TEST_P(EachPost, CellTextsAreWrittenAndExpected) {
+  if (ControllerOf(GetParam()) == "fanuc") return;  // whose remarks begin with '!': fanuc_test.cpp
   settings.texts["header"] = "; ready {1}\n; steady";
   settings.texts["footer"] = "; done";
   settings.texts["coolant_on"] = "; COOLANT ON";
@@ -303,7 +314,7 @@ TEST_P(EachPost, LongPiecesAreHandedOverAtAStop) {
   settings.max_motions = 5;
   files = post->Write(whole.program, plan.arm, settings);
   for (const auto& [name, text] : files) {
-    const std::regex motion("(^|\n)( *S?LIN|PTP|G0|G1|G9 G1) ");
+    const std::regex motion("(^|\n)( *S?LIN|PTP|G0|G1|G9 G1| +[0-9]+:[LJ]) ");
     const auto count = std::distance(std::sregex_iterator(text.begin(), text.end(), motion), {});
     if (name.find("_0") != std::string::npos) {
       EXPECT_LE(count, 5) << name;

@@ -3,9 +3,10 @@
 
 #include "base/rotation.hpp"
 #include "base/units.hpp"
-#include "program/bound_turns.hpp"
-#include "program/linuxcnc/linuxcnc.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/bound_turns.hpp"
+#include "program/fanuc/fanuc.hpp"
+#include "program/linuxcnc/linuxcnc.hpp"
 
 namespace millpose {
 namespace {
@@ -72,7 +73,7 @@ class SampleBuilder {
 
   PlanResult Finish() {
     for (size_t i = 0; i <= plan_.passes.size(); ++i) {
-      Gap& gap = plan_.gaps.emplace_back();
+      LinkMove& gap = plan_.gaps.emplace_back();
       gap.planned = true;
       if (i > 0) {
         const PassResult& from = plan_.passes[i - 1];
@@ -193,11 +194,43 @@ PostSettings SampleSettings(const std::string& variant) {
     settings.tool_axis = FrameAxis::kX;
     settings.texts = {{"spindle_on", "$ANOUT[1]={rpm}\n$OUT[1]=TRUE"}, {"spindle_off", "$OUT[1]=FALSE"}};
   }
+  if (ControllerOf(variant) == "urscript") {
+    settings.load = ToolLoad{85, {-120, 0, 130}, {4, 5, 6}};
+    settings.max_corner = 0.05;
+    settings.texts = {
+        {"spindle_on", "set_standard_analog_out(0, {rpm}/24000)\nset_standard_digital_out(0, True)"},
+        {"spindle_off", "set_standard_digital_out(0, False)"}};
+  }
+  if (ControllerOf(variant) == "rapid") {
+    settings.tool_axis = FrameAxis::kMinusZ;
+    settings.load = ToolLoad{85, {-120, 0, 130}, {4, 5, 6}};
+    settings.texts = {{"spindle_on", "SetAO spindle,{rpm};\nSetDO do1,1;"}, {"spindle_off", "SetDO do1,0;"}};
+  }
   if (variant == "sinumerik_euler") settings.rotation = AngleOrder::kEuler;
+  if (ControllerOf(variant) == "fanuc") {
+    settings.axes = SampleFanucAxes();
+    if (variant == "fanuc_cnt" || variant == "fanuc_cr") settings.max_corner = 0.1;
+    settings.texts = {{"spindle_on", "AO[1]={rpm}\nDO[1]=ON"}, {"spindle_off", "DO[1]=OFF"}};
+  }
   return settings;
 }
 
+AxisConvention SampleFanucAxes() {
+  Matrix6 matrix = Matrix6::Zero();
+  matrix.diagonal() << -1, 1, -1, 1, -1, 1;
+  matrix(2, 1) = -1;
+  return {matrix, (Joints() << 0, kPi / 2, 0, 0, 0, 0).finished()};
+}
+
 std::unique_ptr<Post> SamplePost(const std::string& variant) {
+  if (ControllerOf(variant) == "fanuc")
+    return std::make_unique<FanucPost>(
+        FanucOptions{.user_frame = 1,
+                     .tool_frame = 2,
+                     .position_register = variant == "fanuc_held" ? 0 : 90,
+                     .world_height = SampleArm().d1,
+                     .corner_region = variant == "fanuc_cr",
+                     .acceleration_time = variant == "fanuc_cnt" ? std::optional(0.1) : std::nullopt});
   if (variant == "linuxcnc_cartesian")
     return std::make_unique<LinuxCncPost>(LinuxCncOptions{true, std::nullopt});
   return MakePost(ControllerOf(variant));
@@ -211,7 +244,7 @@ MotionProgram Prepared(const MotionProgram& program, const std::string& variant,
 MotionProgram Prepared(const MotionProgram& program, const Post& post, const PostSettings& settings,
                        const Arm& arm) {
   MotionProgram prepared = program;
-  if (post.Name() != "sinumerik") return prepared;
+  if (post.Name() != "sinumerik" && post.Name() != "fanuc") return prepared;
   std::vector<size_t> origin(program.motions.size());
   for (size_t i = 0; i < origin.size(); ++i) origin[i] = i;
   BoundTurns(prepared, origin, arm, {post.Lines(settings), WrittenTolerance({}).angle});

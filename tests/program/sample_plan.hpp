@@ -29,8 +29,11 @@ PlanResult SamplePlan(const SampleShape& shape = {});
 /// away.
 MotionOptions SampleFeeds();
 
+/// How FANUC would count the axes of SampleArm(): its own zero and senses, J3 against the level.
+AxisConvention SampleFanucAxes();
 /// Settings as the kr500_r2830 cell gives them for a controller, or for a variant of it: krl,
-/// sinumerik, sinumerik_euler, linuxcnc, linuxcnc_cartesian.
+/// sinumerik, sinumerik_euler, linuxcnc, linuxcnc_cartesian, urscript, fanuc, fanuc_held (frames that the
+/// controller holds), fanuc_cnt, fanuc_cr (corners that the cell bounds), rapid.
 PostSettings SampleSettings(const std::string& variant);
 std::unique_ptr<Post> SamplePost(const std::string& variant);
 /// The program as it is handed to the writer of a variant's controller: with the points that its way to turn

@@ -228,7 +228,7 @@ TEST(LinuxCncM6, MustBeKnownNotToMove) {
 }
 
 TEST(FirstRuns, AreListedOnTheControllersPages) {
-  for (const std::string controller : {"krl", "sinumerik", "linuxcnc"}) {
+  for (const std::string controller : {"krl", "sinumerik", "linuxcnc", "fanuc"}) {
     const std::string page = ReadFile(std::filesystem::path(SourceDir()) / "docs" / (controller + ".md"));
     const std::string list = page.substr(page.find("## Before a first run"));
     size_t at = 0;

@@ -8,7 +8,7 @@
 namespace millpose {
 namespace {
 
-const std::string kCut = "\nG1 X", kGap = "\nTRAFOOF\nG0 SUPA", kPiece = "\nPASS_1_0:";
+const std::string kCut = "\nG1 X", kLinkMove = "\nTRAFOOF\nG0 SUPA", kPiece = "\nPASS_1_0:";
 
 class Sinumerik : public testing::Test {
  protected:
@@ -40,8 +40,8 @@ TEST_F(Sinumerik, NothingStopsOrTransformsInACut) {
                                  "G505", "ORIWKS", "G642", "OTOL=0.01"})
     sample.ExpectRefused(sample.Inserted(line, kCut, 3), line, "");
   Refuses("STOPRE", kCut, 3, "a word of a milling program");
-  for (const std::string line : {"M0", "M1", "G4 F1", "G4 F0.5"}) Takes(line, kGap, 1);
-  Refuses("G4 F1 X0", kGap, 1, "");
+  for (const std::string line : {"M0", "M1", "G4 F1", "G4 F0.5"}) Takes(line, kLinkMove, 1);
+  Refuses("G4 F1 X0", kLinkMove, 1, "");
 }
 
 TEST_F(Sinumerik, WhatChangesNothingMayStandAnywhere) {
@@ -81,8 +81,8 @@ TEST_F(Sinumerik, TolerancesStandBeforeTheRounding) {
 }
 
 TEST_F(Sinumerik, WhatTheControlRefusesIsRefused) {
-  Refuses("G4", kGap, 1, "G4 needs F");
-  Refuses("G90 LABEL:", kGap, 1, "a word of a milling program");
+  Refuses("G4", kLinkMove, 1, "G4 needs F");
+  Refuses("G90 LABEL:", kLinkMove, 1, "a word of a milling program");
   for (const std::string line : {"G 90", "F 80", "WHEN TRUE DO $A_OUT[1.5]=1", "WHEN TRUE DO $A_OUT[1]=2"})
     Refuses(line, kCut, 3, "");
   RefusesChange("G17 ", "", "G17 must be stated");

@@ -2,9 +2,10 @@
 #include "tests/program/station_plan.hpp"
 
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "planning/result/station.hpp"
 #include "program/krl/krl.hpp"
-#include "machine/robot/kinematics.hpp"
+#include "program/rapid/rapid.hpp"
 
 namespace millpose {
 namespace {
@@ -37,7 +38,8 @@ ExternalAxis Table() {
 }
 
 /// The way between two pieces by home, where the external axes move.
-void GoByHome(const PlanResult& plan, const ExternalPosition& from, const ExternalPosition& to, Gap& gap) {
+void GoByHome(const PlanResult& plan, const ExternalPosition& from, const ExternalPosition& to,
+              LinkMove& gap) {
   const Joints between = plan.gaps.front().joints[1];
   if (gap.from_pass < 0)
     gap.external = ExternalMove{from, to, 0, 1};
@@ -108,7 +110,7 @@ PlanResult RidePlan(const std::string& axes, const SampleShape& shape) {
                    PartAt(plan, at) * PartAt(plan, begin).inverse(), point.point);
       point.external = at;
     }
-    Gap& leaving = plan.gaps[p + 1];
+    LinkMove& leaving = plan.gaps[p + 1];
     leaving.joints.front() = CarriedJoints(plan, leaving.joints.front(), begin, at);
     leaving.external->from = at;
   }
@@ -126,17 +128,38 @@ KrlCellNumbers KrlNumbers(const PlanResult& plan, bool coupled) {
   return numbers;
 }
 
+RapidOptions RapidStations(const PlanResult& plan, bool coupled) {
+  RapidOptions options;
+  options.base_frame.position = Vector3d(100, -200, 650);
+  options.activate_units = {"TRACK1"};
+  if (coupled && plan.external_axes.back().name == "table") {
+    RapidWorkUnit unit;
+    unit.name = "STN1";
+    unit.frame.position = kTableAxis - plan.X_WB.translation() + options.base_frame.position;
+    options.work_unit = unit;
+  }
+  return options;
+}
+
 StationPost::StationPost(const std::string& variant, const PlanResult& plan, bool coupled)
     : settings(SampleSettings(variant)) {
-  const bool krl = ControllerOf(variant) == "krl", cnc = ControllerOf(variant) == "linuxcnc";
+  const bool krl = ControllerOf(variant) == "krl", cnc = ControllerOf(variant) == "linuxcnc",
+             rapid = ControllerOf(variant) == "rapid";
   const bool counts = coupled && variant != "linuxcnc";  // whose joints count from nothing
-  const std::vector<std::string> names = krl   ? std::vector<std::string>{"E1", "E2"}
-                                         : cnc ? std::vector<std::string>{"U", "V"}
-                                               : std::vector<std::string>{"RAIL_AX", "TAB_AX"};
+  const bool fanuc = ControllerOf(variant) == "fanuc";
+  const std::vector<std::string> names = krl     ? std::vector<std::string>{"E1", "E2"}
+                                         : fanuc ? std::vector<std::string>{"E1", "GP2_J1"}
+                                         : cnc   ? std::vector<std::string>{"U", "V"}
+                                         : rapid ? RapidAxisNames()
+                                                 : std::vector<std::string>{"RAIL_AX", "TAB_AX"};
   settings.mechanism = Mechanism(plan.external_axes);
   settings.X_WB = plan.X_WB;
   for (size_t i = 0; i < plan.external_axes.size(); ++i)
     settings.controller_axes.push_back({names[i], plan.external_axes[i].name, {}, 0, counts});
+  if (rapid) {
+    post = std::make_unique<RapidPost>(RapidStations(plan, coupled));
+    return;
+  }
   if (!krl) {
     post = SamplePost(variant);
     return;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "program/post.hpp"
+#include "program/rapid/rapid_options.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {
@@ -23,6 +24,9 @@ struct StationPost {
   std::unique_ptr<Post> post;
   ProgramFiles Write(const MotionProgram& program, const Arm& arm) const;
 };
+
+/// The controller's world of that cell for RAPID, and the table as its unit STN1 where it counts in it.
+RapidOptions RapidStations(const PlanResult& plan, bool coupled);
 
 /// The words of the KRL cell, as plain numbers: the rail's root, the robot on its carriage, the table's root,
 /// in the controller's $WORLD, which is parallel to the cell.

@@ -7,11 +7,11 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/external_axes.hpp"
 #include "program/krl/krl.hpp"
 #include "program/make_timeline.hpp"
 #include "program/scanner.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/program/interpreter.hpp"
 #include "tests/program/program_lines.hpp"
 #include "tests/program/station_plan.hpp"

@@ -5,10 +5,10 @@
 
 #include <regex>
 
+#include "machine/robot/kinematics.hpp"
 #include "program/economy.hpp"
 #include "program/krl/krl.hpp"
 #include "program/scanner.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {

@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include "base/units.hpp"
-#include "program/program_time.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/program_time.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include "program/make_timeline.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/make_timeline.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {
@@ -39,7 +39,7 @@ TEST(Timeline, TheToolIsWhereTheJointsPutItAndInstantsLieClose) {
 
 TEST(Timeline, HasEveryPlannedPointOnceAtItsPlace) {
   PlanResult plan = SamplePlan();
-  plan.passes[1].points[2].skip = Obstacle::kGouge;
+  plan.passes[1].points[2].skip = Infeasibility::kGouge;
   plan.passes[0].points[0].point.kind = PointKind::kLeadIn;
   plan.passes[0].points[1].point.kind = PointKind::kLeadIn;
   const Timeline timeline = MakeTimeline(plan, SampleFeeds(), {});
@@ -50,9 +50,9 @@ TEST(Timeline, HasEveryPlannedPointOnceAtItsPlace) {
         return at.pass == pass.pass && at.point == i && at.q == point.q;
       };
       const bool twice = pass.pieces[0].closed && i == 0;  // a ring's first point
-      EXPECT_EQ(std::ranges::count_if(timeline, here), point.skip != Obstacle::kNone ? 0
-                                                       : twice                       ? 2
-                                                                                     : 1)
+      EXPECT_EQ(std::ranges::count_if(timeline, here), point.skip != Infeasibility::kNone ? 0
+                                                       : twice                            ? 2
+                                                                                          : 1)
           << pass.pass << " " << i;
       const auto found = std::ranges::find_if(timeline, here);
       if (found != timeline.end()) {
@@ -60,7 +60,7 @@ TEST(Timeline, HasEveryPlannedPointOnceAtItsPlace) {
       }
     }
   EXPECT_EQ(CountOf(timeline, RunPart::kLead), 1u);  // the way to the second; the first ends the approach
-  for (const RunPart stretch : {RunPart::kCut, RunPart::kApproach, RunPart::kRetract, RunPart::kGap})
+  for (const RunPart stretch : {RunPart::kCut, RunPart::kApproach, RunPart::kRetract, RunPart::kLinkMove})
     EXPECT_GT(CountOf(timeline, stretch), 2u);
   EXPECT_EQ(CountOf(timeline, RunPart::kMissing), 0u);
 }

@@ -23,8 +23,9 @@ CheckHtmlInput Input(const Cell& cell, const Mesh& part, const Toolpath& path) {
   input.part = &part;
   input.in_region = {1, 1, 0, 0};
   input.toolpath = &path;
-  input.reach = {
-      {Obstacle::kNone, 2, 0.1, Joints::Constant(0.5)}, {}, {Obstacle::kLimit, 4, -0.2, Joints::Constant(1)}};
+  input.reach = {{Infeasibility::kNone, 2, 0.1, Joints::Constant(0.5)},
+                 {},
+                 {Infeasibility::kLimit, 4, -0.2, Joints::Constant(1)}};
   input.findings = {"a finding"};
   return input;
 }
@@ -67,6 +68,39 @@ TEST(CheckHtml, SameInputSameBytesAndNothingFromOutside) {
   ASSERT_NE(three, std::string::npos);
   own.erase(three, own.find("</script>", three) - three);
   EXPECT_FALSE(std::regex_search(own, std::regex("https?://|@import|url\\(|fetch\\(|XMLHttpRequest|src=")));
+}
+
+TEST(CheckHtml, DrawsFromTheSideWhatIsTheWrongWayRound) {
+  const Cell cell = test::SampleCell();
+  const Mesh part = Wedge();
+  Toolpath path;
+  path.passes.resize(1);
+  path.passes[0].points.resize(3);
+  CheckHtmlInput input = Input(cell, part, path);
+  const auto picture = [&] {
+    const std::string page = CheckHtml(input);
+    const size_t figure = page.find("<figure id=\"wrong-side\""), from = page.find("<svg", figure);
+    return figure == std::string::npos ? "" : page.substr(from, page.find("</svg>", from) - from);
+  };
+  EXPECT_EQ(picture(), "");
+  const Eigen::Vector3d base = cell.X_WB.translation();
+  input.wrong_side = WrongSide{base + Eigen::Vector3d(2000, 0, 800), Eigen::Vector3d::UnitX(),
+                               -Eigen::Vector3d::UnitZ(), true, true};
+  const std::string drawn = picture();
+  EXPECT_NE(drawn.find("normal: looks away from the arm"), std::string::npos);
+  // The arrow of the normal runs to the right, away from the shoulder; the tool hangs below its tip.
+  std::smatch line;
+  const std::string number = "=\"([-.0-9]+)\"";
+  for (const std::string name : {"normal", "tool"}) {
+    ASSERT_TRUE(std::regex_search(drawn, line,
+                                  std::regex("x1" + number + " y1" + number + " x2" + number + " y2" +
+                                             number + " class=\"" + name + "\"")));
+    const double right = std::stod(line[3]) - std::stod(line[1]),
+                 down = std::stod(line[4]) - std::stod(line[2]);
+    EXPECT_GT(name == "normal" ? right : down, 10) << name;
+    EXPECT_NEAR(name == "normal" ? down : right, 0, 0.11) << name;
+  }
+  EXPECT_FALSE(std::regex_search(drawn, std::regex("https?://|url\\(")));
 }
 
 TEST(CheckHtml, APartOrACellAloneIsAPageToo) {

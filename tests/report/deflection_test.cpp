@@ -21,7 +21,7 @@ PlanResult TwoPasses() {
       planned.point.normal = planned.point.tool_axis = Eigen::Vector3d(-1, 0, 0);
       planned.point.feed = Eigen::Vector3d(0, 1, 0);
       planned.point.engagement = {Eigen::Vector3d(-10, 30, 50), 6, 1, CutSide::kUp};
-      if (i == 1) planned.skip = Obstacle::kLimit;
+      if (i == 1) planned.skip = Infeasibility::kLimit;
       if (i == 3) planned.point.kind = PointKind::kLeadOut;
       result.points.push_back(planned);
     }

@@ -97,7 +97,7 @@ TEST(ReportHtml, CountsAreThoseOfThePlan) {
   EXPECT_EQ(data["counts"]["shown"], 80);
   size_t skipped = 0;
   for (const PassResult& pass : SmallPanel().plan.passes)
-    for (const PlannedPoint& p : pass.points) skipped += p.skip != Obstacle::kNone;
+    for (const PlannedPoint& p : pass.points) skipped += p.skip != Infeasibility::kNone;
   ASSERT_GE(skipped, 2u);
   EXPECT_EQ(data["counts"]["skipped"], skipped);
   EXPECT_EQ(data["skipped"]["rows"].size(), skipped);
@@ -171,7 +171,7 @@ TEST(ReportHtml, NamesTheNearestPairOfEveryPoint) {
   size_t named = 0;
   for (size_t i = 0; i < pair.size(); ++i) {
     const PlannedPoint& point = panel.plan.passes[i / 20].points[i % 20];
-    if (point.skip != Obstacle::kNone) {
+    if (point.skip != Infeasibility::kNone) {
       EXPECT_EQ(pair[i], 0u);
       continue;
     }
@@ -234,8 +234,8 @@ TEST(ReportHtml, ShowsPredictedDeflectionsWhereThereAreSome) {
 // The page names what the plan has as a number.
 TEST(ReportHtml, KnowsEveryReasonForSkipping) {
   std::string reasons = "[\"\"";
-  for (int i = 1; i <= static_cast<int>(Obstacle::kIncomplete); ++i)
-    reasons += fmt::format(", \"{}\"", ToString(static_cast<Obstacle>(i)));
+  for (int i = 1; i <= static_cast<int>(Infeasibility::kIncomplete); ++i)
+    reasons += fmt::format(", \"{}\"", ToString(static_cast<Infeasibility>(i)));
   EXPECT_NE(SmallPage().find("m.SKIP_REASONS = " + reasons + "];"), std::string::npos) << reasons;
 }
 
@@ -246,8 +246,11 @@ TEST(ReportHtml, EveryChartFindsItsColumns) {
   input.deflection = &report;
   PlanResult compensated = input.plan;
   compensated.passes.front().points.front().compensation.emplace();
-  const std::string page =
-      ReportHtml({compensated, input.cell, input.grid, input.curves, input.settings, input.deflection});
+  LostMotionReport lost = ReportLostMotion(compensated, {}, "", 0);
+  lost.model.known.fill(true);
+  HtmlInput shown{compensated, input.cell, input.grid, input.curves, input.settings, input.deflection};
+  shown.lost_motion = &lost;
+  const std::string page = ReportHtml(shown);
   std::set<std::string> known;
   const Json data = DataOf(page);
   for (const Json& column : data["columns"]) known.insert(column["key"]);
@@ -258,8 +261,8 @@ TEST(ReportHtml, EveryChartFindsItsColumns) {
     for (std::sregex_iterator key(list.begin(), list.end(), kKey); key != none; ++key, ++keys)
       EXPECT_TRUE(known.contains((*key)[1])) << (*key)[1];
   }
-  EXPECT_EQ(charts, 10u);
-  EXPECT_EQ(keys, 21u);
+  EXPECT_EQ(charts, 12u);
+  EXPECT_EQ(keys, 23u);
 }
 
 TEST(ReportHtml, ColumnsHoldThePlanInTheirUnits) {
@@ -268,7 +271,7 @@ TEST(ReportHtml, ColumnsHoldThePlanInTheirUnits) {
   size_t i = 0;
   for (const PassResult& pass : SmallPanel().plan.passes) {
     for (const PlannedPoint& p : pass.points) {
-      if (p.skip == Obstacle::kNone) {
+      if (p.skip == Infeasibility::kNone) {
         EXPECT_FLOAT_EQ(lambda[i], static_cast<float>(1e3 * p.indices.lambda_t1));
         EXPECT_FLOAT_EQ(angle[i], static_cast<float>(RadToDeg(p.q[4])));
       } else {
@@ -284,7 +287,7 @@ TEST(ReportHtml, SpeedsAreStepsOverTime) {
   Panel panel = MakePanel({.passes = 1, .points = 5});
   std::vector<PlannedPoint>& points = panel.plan.passes[0].points;
   for (size_t i = 0; i < points.size(); ++i) {
-    points[i].skip = Obstacle::kNone;
+    points[i].skip = Infeasibility::kNone;
     points[i].q = Joints::Constant(DegToRad(2.0 * static_cast<double>(i)));
     points[i].point.arc_length = 5.0 * static_cast<double>(i);
     points[i].point.feed_rate = 10;  // half a second a step
@@ -309,9 +312,9 @@ TEST(ReportHtml, CurvesFollowTheScorer) {
   for (size_t k = 0; k < 80; ++k) {
     for (size_t i = 0; i < 120; ++i) {
       for (size_t branch = 0; branch < 8; ++branch) {
-        const Obstacle state = panel.curves[k].state[i][branch];
+        const Infeasibility state = panel.curves[k].state[i][branch];
         EXPECT_EQ(at(states, 120 * k + i) >> (2 * branch) & 3, TestsPassed(state));
-        if (state == Obstacle::kUnreachable) continue;
+        if (state == Infeasibility::kUnreachable) continue;
         const int code = at(values, 480 * k + 120 * (branch & 3) + i);
         const double truth = 1e3 * panel.curves[k].objective[i][branch];
         if (!std::isfinite(truth)) continue;
@@ -340,7 +343,7 @@ TEST(SampleCurves, AgreesWithTheSlowWayWithinBoundsAndBeyond) {
       const InverseResult inverse = Inverse(problem.arm, problem.X_WB.inverse() * X_WF);
       for (int s = 0; s < inverse.count; ++s) {
         const ArmSolution& solution = inverse.solutions[s];
-        const Obstacle state = curves.state[i][solution.branch];
+        const Infeasibility state = curves.state[i][solution.branch];
         ++seen[static_cast<size_t>(state)];
         const Matrix6 J = Jacobian(problem.arm, solution.q, problem.X_FT.translation());
         const auto indices =
@@ -351,9 +354,9 @@ TEST(SampleCurves, AgreesWithTheSlowWayWithinBoundsAndBeyond) {
       }
     }
   }
-  EXPECT_EQ(seen[static_cast<size_t>(Obstacle::kUnreachable)], 0);
-  EXPECT_GT(seen[static_cast<size_t>(Obstacle::kLimit)], 100);
-  EXPECT_GT(seen[static_cast<size_t>(Obstacle::kNone)], 100);
+  EXPECT_EQ(seen[static_cast<size_t>(Infeasibility::kUnreachable)], 0);
+  EXPECT_GT(seen[static_cast<size_t>(Infeasibility::kLimit)], 100);
+  EXPECT_GT(seen[static_cast<size_t>(Infeasibility::kNone)], 100);
 }
 
 TEST(SampleCurves, TakesTheWorstWhenNotAllAreSampled) {
@@ -444,7 +447,7 @@ TEST(ReportHtml, MeshesAreThinnedForTheViewAlone) {
 TEST(ReportHtml, APlanWithoutAnyPoseIsAPageToo) {
   Panel panel = MakePanel({.passes = 1, .points = 3});
   for (PlannedPoint& p : panel.plan.passes[0].points) {
-    p.skip = Obstacle::kUnreachable;
+    p.skip = Infeasibility::kUnreachable;
     p.detail = "too far";
     p.freedoms.clear();
   }
@@ -467,9 +470,9 @@ TEST(Html, TheAxisMapIsThatOfThePlanAndSmall) {
     EXPECT_EQ(zones, panel.map.zones[k]);
     met += static_cast<int>(std::ranges::count(zones, kPairZone + 1));
     for (size_t i = 0; i < zones.size(); i += 31) {
-      const Obstacle state = panel.curves[k].state[i % 120][i / 120];
-      EXPECT_EQ(zones[i] >= kUncheckedZone, state == Obstacle::kNone);
-      EXPECT_EQ(zones[i] >= kLimitZone && zones[i] < kUncheckedZone, state == Obstacle::kLimit);
+      const Infeasibility state = panel.curves[k].state[i % 120][i / 120];
+      EXPECT_EQ(zones[i] >= kUncheckedZone, state == Infeasibility::kNone);
+      EXPECT_EQ(zones[i] >= kLimitZone && zones[i] < kUncheckedZone, state == Infeasibility::kLimit);
     }
   }
   EXPECT_GT(met, 0);

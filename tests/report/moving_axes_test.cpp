@@ -8,8 +8,8 @@
 #include "report/deflection.hpp"
 #include "report/html_data.hpp"
 #include "report/step_heights.hpp"
-#include "tests/report/small_plan.hpp"
 #include "tests/machine/robot/arms.hpp"
+#include "tests/report/small_plan.hpp"
 
 namespace millpose {
 namespace {

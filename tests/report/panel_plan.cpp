@@ -43,14 +43,14 @@ void ChoosePose(const PointScorer& scorer, const RotationGrid& grid, std::option
   size_t chosen = candidates.size(), own = 0;
   for (size_t i = 0; i < candidates.size(); ++i) {
     const Candidate& c = candidates[i];
-    if (c.obstacle != Obstacle::kNone) continue;
+    if (c.obstacle != Infeasibility::kNone) continue;
     if (c.objective < least) least = c.objective, own = i;
     const double jump = last ? (c.q - *last).cwiseAbs().maxCoeff() : 0;
     const double cost = c.objective * (1 + 20 * std::max(0.0, jump - DegToRad(10)));
     if (cost < best) best = cost, chosen = i;
   }
   if (chosen == candidates.size()) {
-    point.skip = Obstacle::kLimit;
+    point.skip = Infeasibility::kLimit;
     point.detail = "no admissible pose on any branch";
     return;
   }
@@ -100,10 +100,10 @@ PassResult MakePass(const PoseProblem& problem, const PanelSize& size, int numbe
     const PointScorer scorer(problem, point.point, pass.rotation_reference);
     ChoosePose(scorer, CurveGrid(), last, point);
     if (number + 1 == size.passes && i % 10 == 9) {
-      point.skip = Obstacle::kInterference;
+      point.skip = Infeasibility::kInterference;
       point.detail = "spindle against workpiece </script><b>";
     }
-    if (point.skip == Obstacle::kNone) FillIndices(problem, point);
+    if (point.skip == Infeasibility::kNone) FillIndices(problem, point);
     FillVerdicts(along, point);
     pass.points.push_back(std::move(point));
   }
@@ -114,16 +114,16 @@ PassResult MakePass(const PoseProblem& problem, const PanelSize& size, int numbe
 }
 
 /// From home over all passes and back, straight in joint space between places 50 mm off the panel.
-void AddGaps(PlanResult& plan) {
+void AddLinkMoves(PlanResult& plan) {
   const auto away = [&](const PlannedPoint& point) {
     const Pose X_BF = plan.X_WB.inverse() * ForwardFlange(plan.arm, point.q) * plan.X_FT *
                       Eigen::Translation3d(0, 0, 50) * plan.X_FT.inverse();
     return InverseNear(plan.arm, X_BF, Status(plan.arm, point.q), point.q).value_or(point.q);
   };
-  const auto planned = [](const PlannedPoint& point) { return point.skip == Obstacle::kNone; };
+  const auto planned = [](const PlannedPoint& point) { return point.skip == Infeasibility::kNone; };
   const int count = static_cast<int>(plan.passes.size());
   for (int i = 0; i <= count; ++i) {
-    Gap& gap = plan.gaps.emplace_back();
+    LinkMove& gap = plan.gaps.emplace_back();
     gap.planned = true;
     gap.from_pass = i - 1, gap.to_pass = i < count ? i : -1;
     gap.from_piece = gap.from_pass < 0 ? -1 : 0, gap.to_piece = gap.to_pass < 0 ? -1 : 0;
@@ -168,7 +168,7 @@ Panel MakePanel(const PanelSize& size, const std::string& job) {
   plan.stiffness_origin = StiffnessOrigin::kToolTip;
   std::optional<Joints> last;
   for (int p = 0; p < size.passes; ++p) plan.passes.push_back(MakePass(panel.problem, size, p, last));
-  AddGaps(plan);
+  AddLinkMoves(plan);
   const World world(panel.cell);
   Checker checker(world);
   // Some points are as if nothing were near them.

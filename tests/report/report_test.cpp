@@ -57,7 +57,7 @@ TEST(Report, ThePriceIsRatiosOrMicrometres) {
 
 TEST(Report, NothingPlannedGivesNullsNotZeros) {
   PlanResult plan = SmallPlan();
-  for (PlannedPoint& point : plan.passes[0].points) point.skip = Obstacle::kUnreachable;
+  for (PlannedPoint& point : plan.passes[0].points) point.skip = Infeasibility::kUnreachable;
   const nlohmann::json json = nlohmann::json::parse(SummaryJson(plan, {}));
   EXPECT_TRUE(json["price_of_continuity"].is_null());
   EXPECT_TRUE(json["clearance_min_mm"].is_null());

@@ -6,7 +6,7 @@
 namespace millpose {
 
 inline std::string PointsCsv(const PlanResult& plan) {
-  return BytesOf([&](const ByteSink& sink) { WritePointsCsv(plan, {}, 2, sink); });
+  return BytesOf([&](const ByteSink& sink) { WritePointsCsv(plan, {}, nullptr, 2, sink); });
 }
 
 inline std::string PathVtp(const PlanResult& plan) {
@@ -34,14 +34,14 @@ inline PlanResult SmallPlan() {
     point.clearance = 40 - i;
     pass.points.push_back(point);
   }
-  pass.points[3].skip = Obstacle::kLimit;
+  pass.points[3].skip = Infeasibility::kLimit;
   pass.points[3].detail = "A5 beyond 117 deg";
   pass.pieces = {{0, 0, 0, 2, false}};
   plan.passes = {pass};
-  Gap gap;
+  LinkMove gap;
   gap.planned = true;
   gap.clearance = 12;
-  Gap blocked;
+  LinkMove blocked;
   blocked.detail = "link3 against platform";
   plan.gaps = {gap, blocked};
   return plan;

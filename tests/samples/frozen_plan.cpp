@@ -29,13 +29,13 @@ Joints ReadAngles(std::istream& line) {
 std::string Freeze(const PlanResult& plan) {
   std::string text = fmt::format("home{}\n", Angles(plan.home));
   for (const PassResult& pass : plan.passes) {
-    for (const Piece& piece : pass.pieces) {
+    for (const Segment& piece : pass.pieces) {
       text += fmt::format("piece {} {} {}\n", pass.pass, piece.piece, piece.closed ? 1 : 0);
       for (int i = piece.first; i <= piece.last; ++i)
         text += fmt::format("point {:.17g}{}\n", pass.points[i].point.feed_rate, Angles(pass.points[i].q));
     }
   }
-  for (const Gap& gap : plan.gaps) {
+  for (const LinkMove& gap : plan.gaps) {
     text += fmt::format("gap {} {} {} {} {:.17g}\n", gap.from_pass, gap.from_piece, gap.to_pass, gap.to_piece,
                         gap.clearance_share);
     for (const Joints& q : gap.joints) text += fmt::format("joints{}\n", Angles(q));
@@ -77,7 +77,7 @@ PlanResult Thaw(const std::string& text, const JobInputs& inputs, const Cell& ce
       point.q = ReadAngles(line);
       pass.pieces.back().last += 1;
     } else if (word == "gap") {
-      Gap& gap = plan.gaps.emplace_back();
+      LinkMove& gap = plan.gaps.emplace_back();
       line >> gap.from_pass >> gap.from_piece >> gap.to_pass >> gap.to_piece >> gap.clearance_share;
       gap.planned = true;
     } else if (word == "joints") {

@@ -4,8 +4,8 @@
 // are planned to today (they are of a version before smoothing); the slow tests plan the jobs themselves.
 #pragma once
 
-#include "machine/collision/cell.hpp"
 #include "job/inputs.hpp"
+#include "machine/collision/cell.hpp"
 #include "planning/result/plan_result.hpp"
 
 namespace millpose {

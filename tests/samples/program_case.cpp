@@ -2,8 +2,8 @@
 #include "tests/samples/program_case.hpp"
 
 #include "job/assemble.hpp"
-#include "run/pipeline/programs/make_programs.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
+#include "run/pipeline/programs/make_programs.hpp"
 #include "tests/program/own_options.hpp"
 
 namespace millpose {

@@ -3,10 +3,10 @@
 #pragma once
 
 #include "machine/collision/world.hpp"
-#include "run/pipeline/programs/program_motions.hpp"
 #include "program/post_entry.hpp"
-#include "tests/samples/frozen_plan.hpp"
 #include "program/verify/verify.hpp"
+#include "run/pipeline/programs/program_motions.hpp"
+#include "tests/samples/frozen_plan.hpp"
 
 namespace millpose {
 

@@ -167,10 +167,10 @@ TEST(Apt, TangentAndSignOfACircleMustAgree) {
       "sign says counter-clockwise: state toolpath.cam.circle: tangent or axis, whichever holds in this "
       "file");
   CamReadOptions options;
-  options.circle = CircleWay::kTangent;
+  options.circle = CircleSense::kTangent;
   EXPECT_NEAR(Swept(ReadCamPath("UNITS/MM\n" + within + circle + to, "x", options)) - from(within), -quarter,
               1e-9);
-  options.circle = CircleWay::kAxis;
+  options.circle = CircleSense::kAxis;
   EXPECT_NEAR(Swept(ReadCamPath("UNITS/MM\n" + within + circle + to, "x", options)) - from(within),
               3 * quarter, 1e-9);
   // A rapid to the start says nothing, and neither does the tangent of half and full revolutions.
@@ -311,7 +311,7 @@ TEST(CamPath, FilesThatAreNoToolPathSayWhatTheySeemToBe) {
 
 TEST(CamPath, KeysOfTheJobThatHoldForAnotherFormatAreErrors) {
   CamReadOptions options;
-  options.circle = CircleWay::kAxis;
+  options.circle = CircleSense::kAxis;
   const auto error = [&](const std::string& text) {
     try {
       ReadCamPath(text, "x", options);

@@ -60,7 +60,7 @@ void ReadOption(const std::string& key, std::istream& in, Meaning& meaning, std:
   std::string word, value;
   in >> word;
   if (key == "holes") meaning.holes = std::stoul(word);
-  if (key == "circle") meaning.options.circle = word == "axis" ? CircleWay::kAxis : CircleWay::kTangent;
+  if (key == "circle") meaning.options.circle = word == "axis" ? CircleSense::kAxis : CircleSense::kTangent;
   if (key == "tip") meaning.options.tip_programming = word == "true";
   if (key == "code" && in >> value)
     meaning.options.kinematics_codes[std::stoi(word.substr(1))] = value == "tip";

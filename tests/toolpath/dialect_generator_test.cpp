@@ -136,6 +136,7 @@ class AptDialect : public DialectWriter {
       if (identity) rotation.setIdentity();
       const Vector shift = identity ? Vector(Vector::Zero()) : origin;
       if (!identity && !Is(System::kCatia)) Refuse("a frame whose meaning is not known");
+      if (Is(System::kCatia)) StateFrame();
       if (Is(System::kCatia)) Line("$$*CATIA0\n$$ Program.1");
       if (!Is(System::kCatia)) Line(Comment(rotation, shift));
       for (int r = 0; Is(System::kCatia) && r < 3; ++r)
@@ -147,6 +148,13 @@ class AptDialect : public DialectWriter {
     }
     origin_ = Unit() * origin;
     SetRotation(rotation);
+  }
+
+  // Of the files with turned systems most say by the job that columns are meant; the others are refused.
+  void StateFrame() {
+    if (!asked_ && Chance(0.8)) options_.frame = CamFrame::kStated;
+    asked_ = true;
+    if (!options_.frame) Refuse("a CATIA0 that turns the axes");
   }
 
   // Creo's goes on over lines; another's word is no mark of Creo.
@@ -323,7 +331,7 @@ class AptDialect : public DialectWriter {
   }
 
   System system_;
-  bool inch_ = false, stated_ = false, answered_ = false, fed_ = false;
+  bool inch_ = false, stated_ = false, answered_ = false, fed_ = false, asked_ = false;
   double smallest_ = 1e9, feed_ = 0;
   Vector origin_ = Vector::Zero(), at_ = Vector::Zero(), axis_ = Vector::UnitZ();
   Eigen::Matrix3d rotation_ = Eigen::Matrix3d::Identity();
@@ -340,7 +348,7 @@ class GcodeDialect : public DialectWriter {
     Head();
     Tool();
     Spindle();
-    Place();
+    SourceLocation();
     const int motions = 3 + static_cast<int>(random_.Below(10));
     for (int i = 0; i < motions; ++i) Step();
     Line("M30");
@@ -394,7 +402,7 @@ class GcodeDialect : public DialectWriter {
     cut_ = true;
   }
 
-  void Place() {
+  void SourceLocation() {
     const Vector p = Printed(random_.Vector(100 / Unit()));
     Line("G0 " + Words(p));
     Add({.kind = Kind::kRapid}, p);
@@ -405,12 +413,12 @@ class GcodeDialect : public DialectWriter {
       case 0:
         Tool();
         if (Chance(0.5)) Spindle();
-        return Place();
+        return SourceLocation();
       case 1:
         return Preselect();
       case 2:
         Offset();
-        return Place();
+        return SourceLocation();
       case 3:
       case 4:
         return Arc();

@@ -98,7 +98,7 @@ TEST(Pad, ClimbAndConventionalHoldOnRingsAndLines) {
   }
 }
 
-TEST(Pad, IsNotLinkedAcrossGaps) {
+TEST(Pad, IsNotLinkedAcrossLinkMoves) {
   // Two plates, 10 mm apart: nearer than two step-overs and a half, but there is nothing between them.
   const Mesh plates = SoundMesh(PlateShape(7, 3, 10, {{{{30, 0}, {40, 30}}}}));
   ToolpathOptions options = Facing(true);

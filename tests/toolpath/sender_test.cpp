@@ -110,15 +110,27 @@ TEST(Frames, OfCommentsAreEvaluatedOrRefused) {
       "$$*CATIA0\n$$ Program.1\n$$   0.00000 -1.00000 0.00000 250.00000\n$$   1.00000 0.00000 0.00000 "
       "0.00000\n"
       "$$   0.00000 0.00000 1.00000 40.00000\n";
-  CamPath path = Path(catia + body);
+  const std::string turned = "path:1:1: CATIA0 turns the axes, and whether its rows or its columns are";
+  EXPECT_EQ(Refusal(catia + body).substr(0, turned.size()), turned);
+  CamReadOptions given;
+  given.frame = CamFrame::kStated;
+  CamPath path = Path(catia + body, given);
   ExpectAt(path.points[0], {248, 1, 43}, kUp);
   EXPECT_EQ(path.source.frame, "CATIA0 in line 1");
-  EXPECT_EQ(Path(catia + body + "$$*CATIA0\n$$ B\n$$ 1 0 0 0\n$$ 0 1 0 0\n$$ 0 0 1 0\nGOTO/1,2,3\n")
+  EXPECT_TRUE(path.keys_used.contains("frame"));
+  EXPECT_EQ(Path(catia + body + "$$*CATIA0\n$$ B\n$$ 1 0 0 0\n$$ 0 1 0 0\n$$ 0 0 1 0\nGOTO/1,2,3\n", given)
                 .points[2]
                 .position,
             Vector(1, 2, 3))
       << "a machining axis change";
-  CamReadOptions given;
+  // As CATIA's manual shows it: the same path in a system whose origin is (0, 0, 20).
+  ExpectAt(
+      Path("$$*CATIA0\n$$*AXS2\n$$ 1 0 0 0\n$$ 0 1 0 0\n$$ 0 0 1 20\nMULTAX/ON\nUNITS/MM\nGOTO/-40,-30,0\n")
+          .points[0],
+      {-40, -30, 20}, kUp);
+  // Half a turn about x: rows and columns say the same.
+  ExpectAt(Path("$$*CATIA0\n$$ P\n$$ 1 0 0 5\n$$ 0 -1 0 0\n$$ 0 0 -1 0\n" + body).points[0], {6, -2, -3},
+           -kUp);
   given.frame = CamFrame::kAsGiven;
   path = Path(catia + body, given);
   ExpectAt(path.points[0], {1, 2, 3}, kUp);

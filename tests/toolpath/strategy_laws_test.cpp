@@ -127,7 +127,7 @@ std::vector<Toolpath> InThree(const Mesh& mesh, ToolpathOptions options, const T
       most = std::max(most, direction.dot(point.position));
     }
   const double first = least + 0.3 * (most - least), second = least + 0.65 * (most - least);
-  PathShare share{direction, -std::numeric_limits<double>::infinity(), first, overlap};
+  PathSection share{direction, -std::numeric_limits<double>::infinity(), first, overlap};
   std::vector<Toolpath> shares;
   for (const double next : {second, std::numeric_limits<double>::infinity(), 0.0}) {
     options.share = share;
@@ -176,7 +176,7 @@ TEST(StrategyLaws, SharesTogetherAreTheWholePath) {
 TEST(StrategyLaws, SharesInPartsHoldTheirPoints) {
   for (Given& given : Everything()) {
     SCOPED_TRACE(given.name);
-    given.options.share = PathShare{Eigen::Vector3d(0.5, 0.7, -0.3).normalized(), 5, 60, 0};
+    given.options.share = PathSection{Eigen::Vector3d(0.5, 0.7, -0.3).normalized(), 5, 60, 0};
     const Mesh mesh = SoundMesh(given.part);
     const Toolpath laid = MakeToolpath(mesh, given.options, {});
     given.options.parts = 2;

@@ -37,7 +37,7 @@ class Source {
   }
 
   [[noreturn]] void Fail(Mark mark, std::string message) const {
-    throw InputError(Place{name_, mark.line, mark.column}, std::move(message));
+    throw InputError(SourceLocation{name_, mark.line, mark.column}, std::move(message));
   }
 
   // What yaml-cpp would take silently for something else: byte 4 ends its input, a tab counts as a blank.

@@ -2,8 +2,8 @@
 #include <numeric>
 
 #include "geometry/import/edge_pairs.hpp"
-#include "geometry/mesh/pieces.hpp"
 #include "geometry/import/repair.hpp"
+#include "geometry/mesh/pieces.hpp"
 
 namespace millpose {
 namespace {

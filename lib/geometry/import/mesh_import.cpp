@@ -3,8 +3,8 @@
 
 #include "base/error.hpp"
 #include "base/shown.hpp"
-#include "geometry/mesh/pieces.hpp"
 #include "geometry/import/weld.hpp"
+#include "geometry/mesh/pieces.hpp"
 
 namespace millpose {
 namespace {
@@ -36,10 +36,22 @@ void MeasurePieces(const Triangles& mesh, ImportReport& report) {
     }
     ++report.pieces;
     report.area += area;
-    if (!piece.closed) continue;
-    ++report.closed_pieces;
-    report.closed_area += area;
+    if (piece.closed) ++report.closed_pieces, report.closed_area += area;
+    const int body =
+        report.body_of_source.empty() ? -1 : report.body_of_source[mesh.source[piece.faces.front()]];
+    if (body < 0) continue;
+    ++report.bodies[body].pieces;
+    report.bodies[body].closed_pieces += piece.closed ? 1 : 0;
+    report.bodies[body].area += area;
   }
+}
+
+// The body of each triangle; empty where there is none or one alone.
+std::vector<int> BodyOfFaces(const RawMesh& raw) {
+  std::vector<int> body_of;
+  if (raw.bodies.size() < 2) return body_of;
+  for (const int source : raw.triangles.source) body_of.push_back(raw.body_of_source[source]);
+  return body_of;
 }
 
 // Coordinates are bounded so that no product of four of them overflows.
@@ -55,6 +67,15 @@ void Scale(Triangles& triangles, double unit, const std::string& name) {
   }
 }
 
+// "18 bodies: skin, rib, rib (2), …"
+std::string NamesOf(const std::vector<ImportedBody>& bodies) {
+  constexpr size_t kShown = 8;
+  std::string text = fmt::format("{} bodies", bodies.size());
+  for (size_t i = 0; i < std::min(kShown, bodies.size()); ++i)
+    text += (i == 0 ? ": " : ", ") + Shown(bodies[i].name, 60);
+  return text + (bodies.size() > kShown ? ", …" : "");
+}
+
 }  // namespace
 
 ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::string& name) {
@@ -66,7 +87,9 @@ ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::st
   report.triangles_read = raw.triangles.faces.size();
   Scale(raw.triangles, options.unit, name);
   WeldCounts weld;
-  Triangles mesh = Weld(raw.triangles, options.weld_tolerance, &weld);
+  Triangles mesh = Weld(raw.triangles, options.weld_tolerance, &weld, BodyOfFaces(raw));
+  for (std::string& body : raw.bodies) report.bodies.push_back({std::move(body)});
+  report.body_of_source = std::move(raw.body_of_source);
   raw = {};
   report.welded = weld.welded;
   RemoveDegenerate(mesh, options.weld_tolerance, report.repairs);
@@ -93,7 +116,8 @@ ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::st
   MeasurePieces(done, result.report);
   for (size_t i = 0; i < done.source_faces.size(); ++i)
     if (done.source_faces[i].lost) result.report.lost_faces.push_back(DescribeLost(done, i));
-  result.report.crossings = FindSelfCrossings(result.mesh);
+  result.report.crossings = FindSelfCrossings(
+      result.mesh, result.report.bodies.size() > 1 ? result.report.body_of_source : std::vector<int>());
   return result;
 }
 
@@ -141,8 +165,9 @@ std::vector<std::string> Findings(const ImportReport& report) {
                                    report.rims == 1 ? "" : "s", report.rim_length,
                                    report.rims == 1 ? "" : " together"));
   if (report.pieces > 1)
-    findings.push_back(
-        fmt::format("{} unconnected pieces, {} of them closed", report.pieces, report.closed_pieces));
+    findings.push_back(fmt::format("{} unconnected pieces, {} of them closed{}", report.pieces,
+                                   report.closed_pieces,
+                                   report.bodies.size() > 1 ? "; " + NamesOf(report.bodies) : ""));
   return findings;
 }
 

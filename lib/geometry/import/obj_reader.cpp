@@ -2,8 +2,8 @@
 #include "geometry/import/obj_reader.hpp"
 
 #include "base/error.hpp"
-#include "geometry/slice/polygon.hpp"
 #include "geometry/import/text_scanner.hpp"
+#include "geometry/slice/polygon.hpp"
 
 namespace millpose {
 namespace {

@@ -65,7 +65,7 @@ PlyHeader ReadPlyHeader(std::string_view bytes, const std::string& name) {
   TextScanner scanner(bytes, name);
   scanner.Expect("ply");
   PlyHeader header;
-  std::vector<Place> count_places;
+  std::vector<SourceLocation> count_places;
   for (;;) {
     const std::string_view word = scanner.Next();
     if (word == "end_header") break;

@@ -5,8 +5,8 @@
 
 #include "base/error.hpp"
 #include "geometry/import/ply_header.hpp"
-#include "geometry/slice/polygon.hpp"
 #include "geometry/import/text_scanner.hpp"
+#include "geometry/slice/polygon.hpp"
 
 namespace millpose {
 namespace {
@@ -16,7 +16,7 @@ class Values {
  public:
   virtual ~Values() = default;
   virtual double Next(PlyType type) = 0;
-  virtual Place place() const = 0;  // of the value taken last
+  virtual SourceLocation place() const = 0;  // of the value taken last
 };
 
 class TextValues : public Values {
@@ -30,8 +30,8 @@ class TextValues : public Values {
       throw InputError(place(), error.problems()[0].message);
     }
   }
-  Place place() const override {
-    Place place = scanner_.place();
+  SourceLocation place() const override {
+    SourceLocation place = scanner_.place();
     place.line += lines_;
     return place;
   }
@@ -71,7 +71,7 @@ class BinaryValues : public Values {
         return static_cast<double>(bits);
     }
   }
-  Place place() const override { return {name_, 0, 0, static_cast<long long>(last_)}; }
+  SourceLocation place() const override { return {name_, 0, 0, static_cast<long long>(last_)}; }
 
  private:
   std::string_view bytes_;

@@ -15,8 +15,10 @@ namespace millpose {
 /// range.
 struct RawMesh {
   Triangles triangles;
+  std::vector<std::string> bodies{};    ///< names of a STEP model's solids
+  std::vector<int> body_of_source{};    ///< by source face: into `bodies`; −1 in no solid
   std::optional<double> stated_unit{};  ///< mm per unit, where the file states it (STEP)
-  std::vector<std::string> notes;       ///< oddities that were accepted, one sentence each
+  std::vector<std::string> notes = {};  ///< oddities that were accepted, one sentence each
 };
 
 /// Reads a mesh file (STL, OBJ, PLY, OFF) or a STEP file (step_reader.hpp); the format is told from the

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "geometry/mesh/edges.hpp"
 #include "geometry/import/t_junctions.hpp"
+#include "geometry/mesh/edges.hpp"
 
 namespace millpose {
 namespace {

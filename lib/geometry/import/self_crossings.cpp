@@ -66,8 +66,12 @@ std::vector<int> Places(const std::vector<Eigen::Vector3d>& vertices) {
 
 }  // namespace
 
-SelfCrossings FindSelfCrossings(const Mesh& mesh) {
+SelfCrossings FindSelfCrossings(const Mesh& mesh, const std::vector<int>& body_of_source) {
   const Triangles& triangles = mesh.triangles();
+  const auto apart = [&](int a, int b) {
+    return !body_of_source.empty() &&
+           body_of_source[triangles.source[a]] != body_of_source[triangles.source[b]];
+  };
   const std::vector<int> places = Places(triangles.vertices);
   const auto corners = [&](int face) {
     Corners c;
@@ -94,7 +98,7 @@ SelfCrossings FindSelfCrossings(const Mesh& mesh) {
       return false;
     }
     --looks_left;
-    if (!box(a).intersects(box(b))) return true;
+    if (!box(a).intersects(box(b)) || apart(a, b)) return true;
     --tests_left;
     if (!Meet(corners(a), corners(b))) return true;
     const int first = std::min(a, b);

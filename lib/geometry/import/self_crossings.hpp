@@ -15,6 +15,8 @@ struct SelfCrossings {
 /// Exact (CGAL's filtered predicates on the coordinates as they are). Vertices at the same place count as
 /// one, so pieces that were taken apart at an edge do not cross there. The work is bounded by the number of
 /// triangles: soups in which most triangles meet are given up.
-SelfCrossings FindSelfCrossings(const Mesh& mesh);
+/// `body_of_source`, where it is not empty: bodies of a STEP model may touch each other; only pairs within
+/// one count.
+SelfCrossings FindSelfCrossings(const Mesh& mesh, const std::vector<int>& body_of_source = {});
 
 }  // namespace millpose

@@ -118,13 +118,17 @@ std::string WriteStepTriangles(const RawMesh& mesh) {
       if (c < ' ' || c > '~') c = '?';
     return text;
   };
-  std::string bytes = fmt::format("{}\n{} {} {} {} {}\n", kStepTriangles, mesh.stated_unit.value_or(0),
+  std::string bytes = fmt::format("{}\n{} {} {} {} {} {}\n", kStepTriangles, mesh.stated_unit.value_or(0),
                                   triangles.vertices.size(), triangles.faces.size(),
-                                  triangles.source_faces.size(), mesh.notes.size());
-  for (const SourceFace& face : triangles.source_faces)
-    bytes += fmt::format("{} {} {} {} {} {} {} {} {} {} {}\n", plain(face.id), face.kind, face.area,
+                                  triangles.source_faces.size(), mesh.notes.size(), mesh.bodies.size());
+  for (size_t i = 0; i < triangles.source_faces.size(); ++i) {
+    const SourceFace& face = triangles.source_faces[i];
+    const int body = i < mesh.body_of_source.size() ? mesh.body_of_source[i] : -1;
+    bytes += fmt::format("{} {} {} {} {} {} {} {} {} {} {} {}\n", plain(face.id), face.kind, face.area,
                          face.lost ? 1 : 0, face.lower.x(), face.lower.y(), face.lower.z(), face.upper.x(),
-                         face.upper.y(), face.upper.z(), plain(face.name));
+                         face.upper.y(), face.upper.z(), body + 1, plain(face.name));
+  }
+  for (const std::string& name : mesh.bodies) bytes += plain(name) + "\n";
   for (const std::string& note : mesh.notes) bytes += plain(note) + "\n";
   for (const Eigen::Vector3d& p : triangles.vertices) Append(bytes, p.data(), 3);
   for (size_t f = 0; f < triangles.faces.size(); ++f) {
@@ -143,7 +147,7 @@ RawMesh ReadStepTriangles(std::string_view bytes, const std::string& name) {
   const long long vertices = scanner.Integer(0, size / 24, "vertices"),
                   faces = scanner.Integer(0, size / 16, "faces");
   const long long sources = scanner.Integer(0, size / 4, "faces of the model"),
-                  notes = scanner.Integer(0, size, "notes");
+                  notes = scanner.Integer(0, size, "notes"), bodies = scanner.Integer(0, size, "bodies");
   scanner.SkipLine();
   Triangles& triangles = mesh.triangles;
   for (long long i = 0; i < sources; ++i) {
@@ -154,10 +158,12 @@ RawMesh ReadStepTriangles(std::string_view bytes, const std::string& name) {
     face.lost = scanner.Integer(0, 1, "lost") == 1;
     for (Eigen::Vector3d* corner : {&face.lower, &face.upper})
       for (int k = 0; k < 3; ++k) (*corner)[k] = scanner.Number();
+    mesh.body_of_source.push_back(static_cast<int>(scanner.Integer(0, bodies, "body")) - 1);
     std::string_view rest = scanner.Line();
     while (rest.starts_with(' ')) rest.remove_prefix(1);
     face.name = rest;
   }
+  for (long long i = 0; i < bodies; ++i) mesh.bodies.emplace_back(scanner.Line());
   for (long long i = 0; i < notes; ++i) mesh.notes.emplace_back(scanner.Line());
   DataValues values(bytes.substr(scanner.position()), name);
   triangles.vertices.reserve(vertices);

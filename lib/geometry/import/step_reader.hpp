@@ -18,7 +18,7 @@ RawMesh ReadStep(std::string_view bytes, const std::string& name, const StepOpti
 std::string CutStep(std::string_view bytes, const std::string& name, const StepOptions& options);
 
 /// What such an answer begins with; the same on every machine, as the numbers in it are (little-endian).
-inline constexpr std::string_view kStepTriangles = "millpose-step-2";
+inline constexpr std::string_view kStepTriangles = "millpose-step-3";
 bool IsStepTriangles(std::string_view bytes);
 
 /// What passes between the two processes: triangles in the file's unit. The reader trusts nothing in it.

@@ -120,6 +120,6 @@ bool TextScanner::MoreInLine() {
   return at_ < bytes_.size() && !IsLineEnd(bytes_[at_]) && (comment_ == 0 || bytes_[at_] != comment_);
 }
 
-Place TextScanner::place() const { return last_; }
+SourceLocation TextScanner::place() const { return last_; }
 
 }  // namespace millpose

@@ -46,7 +46,7 @@ class TextScanner {
   /// Line in which it stands.
   int line() const { return line_; }
   /// Place of the word that was peeked at or taken last.
-  Place place() const;
+  SourceLocation place() const;
 
  private:
   void SkipSpace();
@@ -58,7 +58,7 @@ class TextScanner {
   size_t at_ = 0;
   int line_ = 1;
   size_t line_start_ = 0;
-  Place last_;
+  SourceLocation last_;
 };
 
 }  // namespace millpose

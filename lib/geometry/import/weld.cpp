@@ -26,8 +26,9 @@ class Grid {
   Grid(size_t capacity, double edge, const Eigen::Vector3d& origin)
       : edge_(edge), origin_(origin), heads_(std::bit_ceil(2 * capacity + 1), -1) {}
 
-  // The kept vertex nearest to p within the tolerance (the lowest index on a tie), or -1.
-  int Nearest(const Eigen::Vector3d& p, double tolerance, const std::vector<Eigen::Vector3d>& kept) const {
+  // The kept vertex of a body nearest to p within the tolerance (the lowest index on a tie), or -1.
+  int Nearest(const Eigen::Vector3d& p, int body, double tolerance,
+              const std::vector<Eigen::Vector3d>& kept) const {
     int nearest = -1;
     double best = tolerance * tolerance;
     const Eigen::Vector3d reach = Eigen::Vector3d::Constant(tolerance);
@@ -37,6 +38,7 @@ class Grid {
       for (cell[1] = low[1]; cell[1] <= high[1]; ++cell[1])
         for (cell[2] = low[2]; cell[2] <= high[2]; ++cell[2])
           for (int v = heads_[Slot(cell)]; v >= 0; v = next_[v]) {
+            if (body_[v] != body) continue;
             const double distance = (kept[v] - p).squaredNorm();
             if (distance < best || (distance == best && (nearest < 0 || v < nearest))) {
               best = distance;
@@ -46,9 +48,10 @@ class Grid {
     return nearest;
   }
 
-  void Add(int vertex, const Eigen::Vector3d& p) {
+  void Add(int vertex, int body, const Eigen::Vector3d& p) {
     const size_t slot = Slot(CellOf(p));
     next_.push_back(heads_[slot]);
+    body_.push_back(body);
     heads_[slot] = vertex;
   }
 
@@ -63,12 +66,12 @@ class Grid {
   double edge_;
   Eigen::Vector3d origin_;
   std::vector<int> heads_;
-  std::vector<int> next_;
+  std::vector<int> next_, body_;  // by vertex
 };
 
 }  // namespace
 
-Triangles Weld(const Triangles& soup, double tolerance, WeldCounts* counts) {
+Triangles Weld(const Triangles& soup, double tolerance, WeldCounts* counts, const std::vector<int>& body_of) {
   Triangles welded;
   if (soup.faces.empty()) return welded;
   Eigen::AlignedBox3d box;
@@ -81,16 +84,18 @@ Triangles Weld(const Triangles& soup, double tolerance, WeldCounts* counts) {
   welded.source = soup.source;
   welded.source_faces = soup.source_faces;
   std::vector<Eigen::Vector3d> moved;  // what differs in some bit from the vertex it goes to
-  for (const auto& face : soup.faces) {
+  for (size_t f = 0; f < soup.faces.size(); ++f) {
+    const std::array<int, 3>& face = soup.faces[f];
+    const int body = body_of.empty() ? -1 : body_of[f];
     std::array<int, 3> out{};
     for (int corner = 0; corner < 3; ++corner) {
       int& to = target[face[corner]];
       const Eigen::Vector3d& p = soup.vertices[face[corner]];
       if (to < 0) {
-        to = grid.Nearest(p, tolerance, welded.vertices);
+        to = grid.Nearest(p, body, tolerance, welded.vertices);
         if (to < 0) {
           to = static_cast<int>(welded.vertices.size());
-          grid.Add(to, p);
+          grid.Add(to, body, p);
           welded.vertices.push_back(p);
         } else if (welded.vertices[to] != p) {
           moved.push_back(p);

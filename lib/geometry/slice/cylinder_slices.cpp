@@ -5,8 +5,8 @@
 
 #include "base/parallel.hpp"
 #include "base/trig.hpp"
-#include "geometry/slice/link_chains.hpp"
 #include "geometry/mesh/triangle.hpp"
+#include "geometry/slice/link_chains.hpp"
 
 namespace millpose {
 namespace {

@@ -82,6 +82,7 @@ void CheckLengths(const Value& lengths, const Context& context, const ArmSetting
 
 /// With a URDF, what it says is not said again; what it does not say must be.
 void CheckArm(const Value& value, const Context& context, ArmSettings& arm) {
+  CheckGears(value, context, arm);
   if (const auto* coupled = value.FindKey("coupled_limits_deg")) arm.coupled_line = coupled->mark.line;
   const bool table = !arm.dh.rows.empty();
   if (arm.urdf.file.empty() && !table)
@@ -104,7 +105,7 @@ Codec<ArmSettings> ArmFields() {
     return Key<S>(key, access, Real(kMm, Between(-10000, 10000)), doc).Required();
   };
   return Section<S>(
-      {
+      WithGears({
           Key<S>("name", MILLPOSE_AT(name), Text(), "Maker and model.").Required(),
           Key<S>(
               "urdf", MILLPOSE_AT(urdf), UrdfFields(),
@@ -191,7 +192,7 @@ Codec<ArmSettings> ArmFields() {
               .DefaultText("false"),
           Key<S>("joint_stiffness_source", MILLPOSE_AT(stiffness_source), Lines(),
                  "Where the stiffness comes from."),
-      },
+      }),
       CheckArm);
 }
 

@@ -10,7 +10,7 @@ namespace {
 /// A value as a line of YAML, and where it stands.
 struct Change {
   std::string value;
-  Place place;
+  SourceLocation place;
 };
 
 // Any value; the job's own fields judge it.

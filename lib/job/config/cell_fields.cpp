@@ -186,6 +186,7 @@ const Codec<CellSettings>& CellFields() {
       [](const Value& value, const Context& context, S& cell) {
         CheckTools(value, context, cell);
         CheckExternalAxes(value, context, cell);
+        CheckGearFriction(value, context, cell);
         const auto line = [&](const char* key) {
           const Value::Key* given = value.FindKey(key);
           return (given ? given->mark : value.mark).line;

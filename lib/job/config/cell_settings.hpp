@@ -13,10 +13,10 @@
 #include "base/pose_settings.hpp"
 #include "base/units.hpp"
 #include "machine/collision/cell.hpp"
-#include "program/post_entry.hpp"
 #include "machine/robot/denavit_hartenberg.hpp"
 #include "machine/robot/mechanism.hpp"
 #include "machine/stiffness/compliance.hpp"
+#include "program/post_entry.hpp"
 
 namespace millpose {
 
@@ -41,6 +41,12 @@ struct DhSettings {
 
 inline constexpr double kStiffnessUncertainty = 0.1;  ///< of a stiffness, where nobody says it
 
+/// What a gear turns by beside its own axis: factor × the angle of another.
+struct GearCoupling {
+  int gear = 0, axis = 0;  ///< 1 to 6
+  double factor = 0;
+};
+
 struct ArmSettings {
   std::string name;
   UrdfSettings urdf;
@@ -58,11 +64,18 @@ struct ArmSettings {
   Vector6 stiffness = Vector6::Zero();  ///< N·mm/rad
   /// Half the width of each joint's stiffness interval, a share of it; zero: nobody says.
   Vector6 stiffness_uncertainty = Vector6::Zero();
-  bool absolute_accuracy = false;  ///< the controller takes out what weight bends
+  bool absolute_accuracy = false;      ///< the controller takes out what weight bends
+  std::optional<Vector6> lost_motion;  ///< between the flanks of each joint's gear, rad; empty: not known
+  std::string lost_motion_source;
+  std::optional<Vector6> gear_friction;  ///< up to which load friction alone holds an output, N·mm
+  std::vector<GearCoupling> gear_couplings;
   // How an arm from a URDF or a table arrived; not of the file.
   std::string joints;               ///< which, from where to where; empty: of no URDF
   std::optional<double> deviation;  ///< mm, of the closed form
 };
+
+/// How the gears of the arm count its axes (AxisConvention::matrix()).
+Matrix6 GearMatrix(const ArmSettings& arm);
 
 /// A compliance in series with the joints, at a frame that hangs on a link.
 struct ComplianceSettings {
@@ -157,6 +170,8 @@ struct GravitySettings {
 struct ExternalAxisSettings : ExternalAxis {
   std::optional<double> stiffness;  ///< N/mm or N·mm/rad: 1 ÷ compliance
   std::string stiffness_source;
+  std::optional<double> lost_motion;  ///< mm or rad; empty: not known
+  std::string lost_motion_source;
 };
 
 struct CellSettings {

@@ -11,7 +11,7 @@ void CheckEffect(const Value& value, const Context& context, CompensationSetting
   for (const char* key : {"shrink", "stiffness_uncertainty_percent", "layers"})
     if (const Value::Key* found = value.FindKey(key))
       context.Child(key).Add(found->mark, "has no effect here: compensation.deflection is off");
-  if (const Value::Key* found = value.FindKey("max_mm"); found && !s.weight)
+  if (const Value::Key* found = value.FindKey("max_mm"); found && !s.IsOn())
     context.Child("max_mm").Add(found->mark, "has no effect here: nothing is compensated");
 }
 
@@ -36,7 +36,7 @@ Codec<CompensationSettings> CompensationFields() {
               .WhenSet(force)
               .DefaultText("the cell's, where arm.stiffness_uncertainty_percent says it; else 10"),
           Key<S>("max_mm", MILLPOSE_AT(most), Real(kMm, Positive(2)), "Largest shift of any point.")
-              .WhenSet([](const S& s) { return s.deflection != TakeOut::kOff || s.weight; })
+              .WhenSet([](const S& s) { return s.IsOn(); })
               .DefaultText("0.1"),
           Key<S>("layers", MILLPOSE_AT(layers), ChoiceOf(kCompensatedLayersWords),
                  "Whether layers above the finished one are compensated too.")
@@ -44,6 +44,11 @@ Codec<CompensationSettings> CompensationFields() {
               .DefaultText("finished"),
           Key<S>("weight", MILLPOSE_AT(weight), Flag(),
                  "Takes out what the arm's own weight bends, as `stiffness.gravity` of the cell says."),
+          Key<S>(
+              "map_csv", MILLPOSE_AT(map_file), Text(),
+              "Map of a measured part's error, which `millpose calibrate --map` writes, taken out along the "
+              "normal; relative to the job file (docs/error-map.md).")
+              .WhenSet([](const S& s) { return !s.map_file.empty(); }),
       },
       CheckEffect);
 }

@@ -156,7 +156,7 @@ std::string WithOverrides(std::string_view yaml, const std::string& name,
 Override ParseOverride(const std::string& text) {
   const size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    throw InputError(Place{},
+    throw InputError(SourceLocation{},
                      fmt::format("--set: given {}; allowed: KEY=VALUE like toolpath.stepover_mm=4", text));
   return {text.substr(0, equals), text.substr(equals + 1)};
 }

@@ -14,7 +14,7 @@ namespace millpose {
 /// A setting given in place of the file's: key path with dots, value as YAML ("toolpath.stepover_mm", "4").
 struct Override {
   std::string path, value;
-  Place place = {};  ///< of a manifest's
+  SourceLocation place = {};  ///< of a manifest's
 };
 /// Splits "toolpath.stepover_mm=4"; throws InputError without an equals sign or a key.
 Override ParseOverride(const std::string& text);

@@ -8,6 +8,7 @@ namespace {
 
 using Axis = ExternalAxisSettings;
 
+const Unit kMicrometre{"µm", 1, 1000};
 const Unit kMmPerS{"mm/s", 1, 1}, kMmPerS2{"mm/s²", 1, 1}, kNPerMm{"N/mm", 1, 1};
 
 std::function<bool(const Axis&)> Is(AxisKind kind) {
@@ -41,6 +42,16 @@ Field<Axis> StiffnessOf(const char* key, Access access, AxisKind kind, const Uni
       .DefaultText("rigid");
 }
 
+template <class Access>
+Field<Axis> LostMotionOf(const char* key, Access access, AxisKind kind, const Unit& unit, double most) {
+  return Key<Axis>(
+             key, access, Maybe(Real(unit, UpTo(most))),
+             "How far its drive goes while what it carries stands, from one flank to the other; missing: "
+             "not known (docs/lost-motion.md).")
+      .WhenSet([kind](const Axis& axis) { return axis.kind == kind && axis.lost_motion; })
+      .DefaultText("not known");
+}
+
 /// What of an axis has one unit or the other: without and with what follows the name.
 struct OfKind {
   const char *linear, *rotary;
@@ -50,7 +61,8 @@ constexpr OfKind kOfKind[] = {{"limits_mm", "limits_deg", true},
                               {"home_mm", "home_deg", false},
                               {"speed_mm_s", "speed_deg_s", true},
                               {"acceleration_mm_s2", "acceleration_deg_s2", true},
-                              {"stiffness_N_mm", "stiffness_Nm_per_rad", false}};
+                              {"stiffness_N_mm", "stiffness_Nm_per_rad", false},
+                              {"lost_motion_um", "lost_motion_arcmin", false}};
 
 void CheckKeysOfKind(const Value& value, const Context& context, const Axis& axis) {
   const bool linear = axis.kind == AxisKind::kLinear;
@@ -88,6 +100,9 @@ void CheckAxis(const Value& value, const Context& context, Axis& axis) {
   if (!axis.stiffness && source)
     context.Child("stiffness_source").Add(source->mark, "has no effect here: there is no stiffness");
   if (axis.stiffness) axis.compliance = 1 / *axis.stiffness;
+  const char *own = linear ? "lost_motion_um" : "lost_motion_arcmin",
+             *other = linear ? "lost_motion_arcmin" : "lost_motion_um";  // refused above
+  CheckLostMotionSource(value, context, value.FindKey(other) ? other : own, axis.lost_motion_source);
 }
 
 }  // namespace
@@ -126,6 +141,11 @@ Codec<ExternalAxisSettings> ExternalAxisFields() {
           Key<S>("stiffness_source", MILLPOSE_AT(stiffness_source), Lines(),
                  "Where the stiffness comes from.")
               .WhenSet([](const S& s) { return s.stiffness.has_value(); }),
+          LostMotionOf("lost_motion_um", MILLPOSE_AT(lost_motion), kLine, kMicrometre, 1e4),
+          LostMotionOf("lost_motion_arcmin", MILLPOSE_AT(lost_motion), kTurn, kArcmin, 60),
+          Key<S>("lost_motion_source", MILLPOSE_AT(lost_motion_source), Lines(),
+                 "Where the lost motion comes from; needed with it.")
+              .WhenSet([](const S& s) { return s.lost_motion.has_value(); }),
       },
       CheckAxis);
 }

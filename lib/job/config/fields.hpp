@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "base/yaml/section.hpp"
 #include "job/config/batch_settings.hpp"
 #include "job/config/cell_settings.hpp"
 #include "job/config/job_settings.hpp"
-#include "base/yaml/section.hpp"
 
 namespace millpose::config {
 
@@ -24,7 +24,7 @@ Codec<JobSettings> PoseSearchFields();
 Codec<JobSettings> LimitFields();
 Codec<JobSettings> PathFields();
 Codec<JobSettings> InterferenceFields();
-Codec<JobSettings> GapFields();
+Codec<JobSettings> LinkMoveFields();
 Codec<ProgramOptionSettings> ProgramOptionFields();
 Codec<CompensationSettings> CompensationFields();
 Codec<PlacementSettings> PlacementFields();
@@ -39,6 +39,14 @@ Codec<RegionOptions> RegionFields();
 
 /// The sections of a cell.
 Codec<ArmSettings> ArmFields();
+/// `fields` and those of its gears, and what is wrong with these.
+std::vector<Field<ArmSettings>> WithGears(std::vector<Field<ArmSettings>> fields);
+void CheckGears(const Value& value, const Context& context, const ArmSettings& arm);
+void CheckGearFriction(const Value& value, const Context& context, const CellSettings& cell);
+/// A lost motion (`key`) has a source, and a source one.
+void CheckLostMotionSource(const Value& value, const Context& context, const char* key,
+                           const std::string& source);
+extern const Unit kArcmin;
 Codec<ToolSettings> ToolFields();
 Codec<BodySettings> BodyFields();
 Codec<ShapeSettings> ShapeFields();

@@ -41,9 +41,9 @@ void CheckFeeds(const Value& value, const Context& context, const JobSettings& j
 void ChooseObjective(const Value& value, const Context& context, JobSettings& job) {
   const Value* pose = value.Find("pose");
   const bool given = pose && pose->Find("objective");
-  if (!given && job.cutting && job.formulation != Formulation::kPaper)
-    job.objective = TheObjective(&ObjectiveEntry::with_force).name;
   const std::string own = job.toolpath.strategy->DefaultObjective();
+  job.objective_open = !given && own.empty() && job.cutting && job.formulation != Formulation::kPaper;
+  if (job.objective_open) job.objective = TheObjective(&ObjectiveEntry::with_force).name;
   if (!given && !own.empty() && job.formulation != Formulation::kPaper) job.objective = own;
   const Value* process = value.Find("process");
   for (const std::string& key : kForceBounds) {
@@ -148,15 +148,14 @@ const Codec<JobSettings>& JobFields() {
       Key<S>("limits", kSelf, LimitFields(), "What makes a pose admissible."),
       Key<S>("path", kSelf, PathFields(), "How poses are joined along a pass."),
       Key<S>("interference", kSelf, InterferenceFields(), "How interference is checked."),
-      Key<S>("gaps", kSelf, GapFields(), "How the tool moves from one pass to the next."),
+      Key<S>("gaps", kSelf, LinkMoveFields(), "How the tool moves from one pass to the next."),
       Key<S>("programs", MILLPOSE_AT(programs), ListOf(Choice(Posts().Names())),
              "Controllers to write programs for."),
       Key<S>("program_options", MILLPOSE_AT(program_options), ProgramOptionFields(),
              "What becomes of the planned points in programs."),
       Key<S>("compensation", MILLPOSE_AT(compensation), CompensationFields(),
              "What of the expected deflection the programs take out (docs/compensation.md).")
-          .WhenSet(
-              [](const S& s) { return s.compensation.deflection != TakeOut::kOff || s.compensation.weight; }),
+          .WhenSet([](const S& s) { return s.compensation.IsOn(); }),
       Key<S>("external", MILLPOSE_AT(external), ListOf(ExternalFields()),
              "Where the cell's external axes stand (docs/external-axes.md); those without an entry stand at "
              "home.")

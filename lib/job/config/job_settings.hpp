@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "planning/compensation/compensate.hpp"
 #include "job/config/cell_settings.hpp"
 #include "job/config/placement_settings.hpp"
 #include "job/config/toolpath_settings.hpp"
-#include "planning/links/gap_planner.hpp"
+#include "planning/compensation/compensate.hpp"
+#include "planning/links/link_move_planner.hpp"
 #include "planning/pass/pass_planner.hpp"
 #include "toolpath/engagement/process_force.hpp"
 
@@ -26,6 +26,14 @@ struct TargetSettings {
   Eigen::Vector3d measured = Eigen::Vector3d::Zero();  ///< in `frame`, mm
 };
 
+/// How sure the pose is that `millpose register` found (docs/registration.md).
+struct RegisteredSettings {
+  PoseSettings pose;                                 ///< that it belongs to: the workpiece's
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< P, mm: what the part may be turned about
+  Eigen::Matrix<double, 6, 6> covariance =
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< of shift (mm) and turn (rad) in P, as Registration has it
+};
+
 /// What the workpiece's pose or measured points are given in.
 enum class GivenFrame : uint8_t { kWorld, kRobotBase };
 
@@ -34,16 +42,18 @@ struct WorkpieceSettings {
   double unit = 1;  ///< mm per unit of the file: 1, 10, 25.4, 1000
   GivenFrame frame = GivenFrame::kWorld;
   PoseSettings pose;
-  std::vector<TargetSettings> targets;  ///< in place of the pose: best fit
-  double max_residual = 0.5;            ///< mm, of the fit at any target
-  double weld_tolerance = 1e-4;         ///< mm
-  bool flip = false;                    ///< open sheets the other way round
-  double chord_tolerance = 0.05;        ///< mm, between a STEP part's faces and their triangles
-  int step_seconds = 120;               ///< of processor time for reading a STEP part
-  int step_memory = 2048;               ///< MB, likewise
-  std::string stock_file;               ///< mesh of the raw part; empty: none
-  double stock_unit = 1;                ///< mm per unit of it
-  std::optional<double> allowance;      ///< material on the part's surface, mm; else toolpath.depth.total
+  std::vector<TargetSettings> targets;           ///< in place of the pose: best fit
+  double max_residual = 0.5;                     ///< mm, of the fit at any target
+  std::optional<double> registration_tolerance;  ///< mm, by which the milled face may be off (95 %)
+  std::optional<RegisteredSettings> registered;  ///< how sure `pose` is
+  double weld_tolerance = 1e-4;                  ///< mm
+  bool flip = false;                             ///< open sheets the other way round
+  double chord_tolerance = 0.05;                 ///< mm, between a STEP part's faces and their triangles
+  int step_seconds = 120;                        ///< of processor time for reading a STEP part
+  int step_memory = 2048;                        ///< MB, likewise
+  std::string stock_file;                        ///< mesh of the raw part; empty: none
+  double stock_unit = 1;                         ///< mm per unit of it
+  std::optional<double> allowance;  ///< material on the part's surface, mm; else toolpath.depth.total
 };
 
 /// What the cutter takes off, for the cutting force (docs/process-force.md).
@@ -88,6 +98,9 @@ struct CompensationSettings {
   double most = 0.1;                            ///< mm
   CompensatedLayers layers = CompensatedLayers::kFinished;
   bool weight = false;
+  std::string map_file;  ///< of a measured part's error; empty: none
+
+  bool IsOn() const { return deflection != TakeOut::kOff || weight || !map_file.empty(); }
 };
 
 /// What becomes of a plan's points in programs.
@@ -141,6 +154,7 @@ struct JobSettings {
   double force_uncertainty_percent = 30;  ///< by how much the force may exceed the computed one
   double force_direction_deg = 20;        ///< how far off its direction it may lie, degrees
   std::string objective = "chen2021";     ///< surface_error where `cutting` is given and no objective
+  bool objective_open = false;            ///< none was named, and `cutting` is given: the cell decides
   std::map<std::string, double> objective_parameters;
   Formulation formulation = Formulation::kFreedoms;
   PathOptions path;                         ///< but for what other sections say, see MakePathOptions()
@@ -153,7 +167,7 @@ struct JobSettings {
   double swept_resolution = 0.5;                                 ///< mm
   std::optional<bool> worst_first;  ///< whether the worst point comes before the sum; else by the objective
   OverMissing over_missing = OverMissing::kLeaveOut;
-  GapOptions gaps;  ///< but for what other sections say, see MakeGapOptions()
+  LinkMoveOptions gaps;  ///< but for what other sections say, see MakeLinkMoveOptions()
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};
   ProgramOptionSettings program_options;
   CompensationSettings compensation;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The keys of a measurements file, and the CSV form of it.
 #include "base/csv.hpp"
+#include "base/yaml/edit.hpp"
 #include "job/config/fields.hpp"
 #include "job/config/measurements.hpp"
-#include "base/yaml/edit.hpp"
 
 namespace millpose {
 namespace config {
@@ -46,6 +46,51 @@ Codec<MeasurementSettings> MeasurementFields() {
   return Section<S>(std::move(fields), CheckLoad);
 }
 
+void CheckTwoWay(const Value& value, const Context& context, TwoWaySettings& reading) {
+  const bool pushed = reading.push.has_value();
+  const char *own[] = {"from_below_mm", "from_above_mm"}, *other[] = {"pushed_against_mm", "pushed_along_mm"};
+  if (pushed) std::swap(own, other);
+  for (const char* key : own)
+    if (value.FindKey(key) == nullptr)
+      context.Child(key).Add(value.mark,
+                             fmt::format("missing; required {} push_N", pushed ? "with" : "without"));
+  for (const char* key : other)
+    if (const Value::Key* given = value.FindKey(key))
+      context.Child(key).Add(given->mark, fmt::format("has no effect {} push_N; allowed: {}, {}",
+                                                      pushed ? "with" : "without", own[0], own[1]));
+  for (const char* key : own)
+    if (const Value* list = value.Find(key); list != nullptr && list->items.empty())
+      context.Child(key).Add(list->mark, "given no reading; allowed: at least one");
+}
+
+Codec<TwoWaySettings> TwoWayFields() {
+  using S = TwoWaySettings;
+  const Codec<std::vector<double>> readings = ListOf(Real(kMm, Between(-1000, 1000)));
+  return Section<S>(
+      {
+          Key<S>("joint", MILLPOSE_AT(joint), Integer(1, 6), "The joint that moved, or that is pushed.")
+              .Required(),
+          Key<S>("joints_deg", MILLPOSE_AT(joints), Numbers6(kDeg, Between(-3600, 3600)), "Joint angles.")
+              .Required(),
+          Key<S>("measured_point_mm", MILLPOSE_AT(measured_point), Maybe(Numbers3(kMm, kNearFlange)),
+                 "Where the dial touches, flange frame; else as for the file."),
+          Key<S>("direction", MILLPOSE_AT(direction), yaml::Direction(),
+                 "In which the dial counts, robot base frame.")
+              .Required(),
+          Key<S>("from_below_mm", MILLPOSE_AT(from_below), readings,
+                 "Readings with the joint come from smaller angles."),
+          Key<S>("from_above_mm", MILLPOSE_AT(from_above), readings, "The same from greater angles."),
+          Key<S>(
+              "push_N", MILLPOSE_AT(push), Maybe(Real(kNewton, Positive(1e5))),
+              "In place of coming from both sides: force at the measured point along the direction, and as "
+              "much against it."),
+          Key<S>("pushed_against_mm", MILLPOSE_AT(pushed_against), readings,
+                 "Readings with that force against the direction."),
+          Key<S>("pushed_along_mm", MILLPOSE_AT(pushed_along), readings, "The same along it."),
+      },
+      CheckTwoWay);
+}
+
 const Codec<MeasurementsSettings>& MeasurementsFields() {
   using S = MeasurementsSettings;
   static const Codec<S> fields = Section<S>({
@@ -61,6 +106,8 @@ const Codec<MeasurementsSettings>& MeasurementsFields() {
       Key<S>("rotation_deviation_rad", MILLPOSE_AT(rotation_deviation), Real(kRad, Between(1e-9, 1)),
              "Standard deviation of a rotation's component."),
       Key<S>("measurements", MILLPOSE_AT(measurements), ListOf(MeasurementFields()), "What was measured."),
+      Key<S>("two_way", MILLPOSE_AT(two_way), ListOf(TwoWayFields()),
+             "Readings taken both ways, for the lost motion of joints."),
       Key<S>("candidates", MILLPOSE_AT(candidates),
              ListOf(Section<MeasurementSettings>(LoadFields(), CheckLoad)),
              "Poses and loads from which `identify --propose` chooses."),
@@ -149,6 +196,17 @@ std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::strin
   if (!arm->Find("joint_stiffness_source")) return text;
   return config::WithKey(text, name, "arm", "joint_stiffness_source",
                          config::WriteYamlLine(config::Value::Text(found.source)));
+}
+
+std::string ReplaceLostMotion(const std::string& cell_yaml, const std::string& name, const Vector6& width,
+                              const std::string& source) {
+  std::vector<std::string> numbers;
+  for (const double value : width)  // three digits: no dial carries more
+    numbers.push_back(fmt::format("{:.3g}", value * config::kArcmin.divisor / config::kArcmin.factor));
+  const std::string text = config::WithKey(cell_yaml, name, "arm", "lost_motion_arcmin",
+                                           fmt::format("[{}]", fmt::join(numbers, ", ")));
+  return config::WithKey(text, name, "arm", "lost_motion_source",
+                         config::WriteYamlLine(config::Value::Text(source)));
 }
 
 }  // namespace millpose

@@ -21,6 +21,17 @@ struct MeasurementSettings {
   int line = 0;
 };
 
+/// Readings of a dial in one pose that a joint has come to both ways, or with the tool pushed both ways.
+struct TwoWaySettings {
+  int joint = 0;                                         ///< 1 to 6
+  Vector6 joints = Vector6::Zero();                      ///< rad
+  std::optional<Eigen::Vector3d> measured_point;         ///< in F, mm
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< in which the dial counts, unit, in B
+  std::vector<double> from_below, from_above;            ///< mm
+  std::vector<double> pushed_against, pushed_along;      ///< mm
+  std::optional<double> push;                            ///< N
+};
+
 struct MeasurementsSettings {
   std::string file;                                          ///< as given, for messages
   std::string cell_file;                                     ///< relative to the file
@@ -29,6 +40,7 @@ struct MeasurementsSettings {
   double displacement_deviation = 0.01;                      ///< mm
   double rotation_deviation = 1e-5;                          ///< rad
   std::vector<MeasurementSettings> measurements;
+  std::vector<TwoWaySettings> two_way;          ///< for lost motion
   std::vector<MeasurementSettings> candidates;  ///< poses and loads to choose from; displacement not read
 };
 
@@ -50,5 +62,9 @@ struct IdentifiedStiffness {
 /// everything else as it was, comments included. Throws InputError when a key is not written in one line.
 std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::string& name,
                                   const IdentifiedStiffness& found);
+
+/// The same with lost motion (rad) and its source.
+std::string ReplaceLostMotion(const std::string& cell_yaml, const std::string& name, const Vector6& width,
+                              const std::string& source);
 
 }  // namespace millpose

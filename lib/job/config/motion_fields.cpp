@@ -51,7 +51,7 @@ Codec<JobSettings> PathFields() {
                  Maybe(ChoiceOf<bool>({{"worst_then_sum", true}, {"sum", false}})),
                  "What makes a pass good: its worst point first, then the sum over it, or the sum alone; by "
                  "default "
-                 "worst_then_sum for objective surface_error, else sum."),
+                 "worst_then_sum for objectives surface_error and face_error, else sum."),
           Key<S>("smoothing_loss_percent", MILLPOSE_AT(path.smoothing_loss), Real(kPercent, Between(0, 100)),
                  "Share of a piece's objective that may be given up for smoother joints; 0: none."),
           Key<S>("split_overlap_mm", MILLPOSE_AT(path.overlap), Real(kMm, UpTo(1e4)),
@@ -88,7 +88,7 @@ Codec<JobSettings> InterferenceFields() {
               "What a motion between two points may miss of a clearance.")});
 }
 
-Codec<JobSettings> GapFields() {
+Codec<JobSettings> LinkMoveFields() {
   using S = JobSettings;
   return Section<S>({
       Key<S>("retract_mm", MILLPOSE_AT(gaps.leave.height), Real(kMm, Positive(1e4)),

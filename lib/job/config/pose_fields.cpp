@@ -135,8 +135,9 @@ Codec<JobSettings> PoseSearchFields() {
                 s.objective_parameters = objective.second;
               },
               ObjectiveFields(),
-              "What is minimised at each point; by default drilling with strategy drill, surface_error where "
-              "`process.cutting` is given, else chen2021.")
+              "What is minimised at each point; by default drilling with strategy drill, face_error where "
+              "`process.cutting` is given and the cell knows its gears' lost motion, surface_error where it "
+              "does not, else chen2021.")
               .DefaultText(""),
           Key<S>(
               "formulation", MILLPOSE_AT(formulation),

@@ -115,12 +115,14 @@ Codec<JobSettings> ProcessFields() {
           .WhenSet([](const S& s) { return s.cutting.has_value(); }),
       Key<S>("force_uncertainty_percent", MILLPOSE_AT(force_uncertainty_percent),
              Real({"%", 1, 1}, UpTo(1000)),
-             "By how much the true cutting force may exceed the computed one; objective surface_error, "
+             "By how much the true cutting force may exceed the computed one; objectives surface_error and "
+             "face_error, "
              "compensation.")
           .WhenSet(AsksForceBounds)
           .DefaultText("30"),
       Key<S>("force_direction_deg", MILLPOSE_AT(force_direction_deg), Real({"deg", 1, 1}, Between(0, 90)),
-             "How far off the computed direction it may lie; objective surface_error, compensation.")
+             "How far off the computed direction it may lie; objectives surface_error and face_error, "
+             "compensation.")
           .WhenSet(AsksForceBounds)
           .DefaultText("20"),
   });

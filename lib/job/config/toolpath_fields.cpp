@@ -112,8 +112,8 @@ Codec<GougeOptions> GougeFields() {
   });
 }
 
-Codec<PathShare> ShareFields() {
-  using S = PathShare;
+Codec<PathSection> ShareFields() {
+  using S = PathSection;
   const auto check = [](const Value& value, const Context& context, S& share) {
     if (!value.FindKey("from_mm") && !value.FindKey("to_mm"))
       context.Add(value.mark, "missing; required: from_mm or to_mm, or both");

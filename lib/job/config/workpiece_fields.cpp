@@ -12,12 +12,85 @@ Codec<TargetSettings> TargetFields() {
        Key<S>("measured_mm", MILLPOSE_AT(measured), Coordinates(), "In `frame`.").Required()});
 }
 
+constexpr size_t kTriangle = 21;  // of a symmetric matrix of six rows
+
+/// Symmetric, and no correlation above 1: what rounding may have cost is let pass.
+void CheckCovariance(const Value& value, const Context& context, RegisteredSettings& s) {
+  constexpr double kRounded = 1e-4;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j) {
+      const double both = s.covariance(i, i) * s.covariance(j, j);
+      if (s.covariance(i, i) < 0 || s.covariance(i, j) * s.covariance(i, j) > (1 + kRounded) * both)
+        return context.Child("covariance_mm_mrad")
+            .Add(value.FindKey("covariance_mm_mrad")->mark,
+                 fmt::format("is no covariance: row {}, column {}; allowed: what `millpose register` wrote",
+                             i + 1, j + 1));
+    }
+}
+
+/// The lower triangle row by row; turns in mrad.
+Codec<Eigen::Matrix<double, 6, 6>> CovarianceFields() {
+  const Range range = Between(-1e9, 1e9);
+  const std::array<Codec<double>, 3> by_turns = {Real({"mm²", 1, 1}, range), Real({"mm·mrad", 1, 1e3}, range),
+                                                 Real({"mrad²", 1, 1e6}, range)};
+  const auto codec_at = [by_turns](int i, int j) { return by_turns[(i >= 3 ? 1 : 0) + (j >= 3 ? 1 : 0)]; };
+  Codec<Eigen::Matrix<double, 6, 6>> codec;
+  codec.type = fmt::format("list of {} numbers", kTriangle);
+  codec.schema = codec_detail::ListSchema(by_turns[0].schema, kTriangle);
+  codec.read = [codec_at](const Value& value, const Context& context, Eigen::Matrix<double, 6, 6>& result) {
+    if (value.kind != Value::Kind::kList || value.items.size() != kTriangle)
+      return context.AddWrong(value, fmt::format("a list of {} numbers", kTriangle));
+    size_t next = 0;
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j <= i; ++j, ++next) {
+        codec_at(i, j).read(value.items[next], context.Child(next), result(i, j));
+        result(j, i) = result(i, j);
+      }
+  };
+  codec.write = [codec_at](const Eigen::Matrix<double, 6, 6>& matrix) {
+    Value list = Value::List();
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j <= i; ++j) list.items.push_back(codec_at(i, j).write(matrix(i, j)));
+    return list;
+  };
+  return codec;
+}
+
+Codec<RegisteredSettings> RegisteredFields() {
+  using S = RegisteredSettings;
+  return Section<S>(
+      {Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "The pose that was found: workpiece.pose.").Required(),
+       Key<S>("centre_mm", MILLPOSE_AT(centre), Coordinates(),
+              "Point of the part, workpiece's frame, about which turns count.")
+           .Required(),
+       Key<S>("covariance_mm_mrad", MILLPOSE_AT(covariance), CovarianceFields(),
+              "Covariance of the part's shift along x, y, z (mm) and turn about x, y, z (mrad), workpiece's "
+              "frame: the lower triangle, row by row.")
+           .Required()},
+      CheckCovariance);
+}
+
+// A pose changed by hand is not the one that was measured.
+void CheckRegistered(const Value& value, const Context& context, const WorkpieceSettings& workpiece) {
+  if (!workpiece.registered) return;
+  const PoseSettings& found = workpiece.registered->pose;
+  if (found.position == workpiece.pose.position && found.abc == workpiece.pose.abc) return;
+  context.Child("registered")
+      .Add(value.FindKey("registered")->mark,
+           "is of another pose than workpiece.pose; allowed: the pose that `millpose "
+           "register` wrote with it, or no workpiece.registered");
+}
+
 void CheckPlacement(const Value& value, const Context& context, WorkpieceSettings& workpiece) {
   const bool pose = value.FindKey("pose") != nullptr, targets = value.FindKey("targets") != nullptr;
   if (pose == targets) context.Add(value.mark, "give either pose or targets");
   if (targets && workpiece.targets.size() < 3)
     context.Add(value.mark,
                 fmt::format("a best fit needs 3 targets or more, given {}", workpiece.targets.size()));
+  for (const char* key : {"registration", "registered"})
+    if (const Value::Key* found = value.FindKey(key); found && targets)
+      context.Child(key).Add(found->mark, "has no effect here: the part is placed by its targets");
+  CheckRegistered(value, context, workpiece);
 }
 
 Codec<WorkpieceSettings> StockFields() {
@@ -56,6 +129,16 @@ Codec<WorkpieceSettings> WorkpieceFields() {
               .WhenSet([](const S& s) { return !s.targets.empty(); }),
           Key<S>("max_residual_mm", MILLPOSE_AT(max_residual), Real(kMm, Positive(1000)),
                  "Largest distance of a measured target from where the fit puts it."),
+          Key<S>("registration", kSelf,
+                 Section<S>({Key<S>("tolerance_mm", MILLPOSE_AT(registration_tolerance),
+                                    Maybe(Real(kMm, Positive(1000))),
+                                    "By how much the milled face may be off along its normal, since nobody "
+                                    "knows the part's place better (95 %); `millpose register` refuses more.")
+                                 .Required()}),
+                 "What the part's place must be known to.")
+              .WhenSet([](const S& s) { return s.registration_tolerance.has_value(); }),
+          Key<S>("registered", MILLPOSE_AT(registered), Maybe(RegisteredFields()),
+                 "How sure the pose is: written by `millpose register`."),
           Key<S>("weld_tolerance_mm", MILLPOSE_AT(weld_tolerance), Real(kMm, UpTo(100)),
                  "Vertices of the mesh nearer than this become one."),
           Key<S>("flip", MILLPOSE_AT(flip), Flag(),

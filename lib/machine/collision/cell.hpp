@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/enum_words.hpp"
-#include "machine/robot/mechanism.hpp"
 #include "geometry/mesh/triangles.hpp"
+#include "machine/robot/mechanism.hpp"
 
 namespace millpose {
 

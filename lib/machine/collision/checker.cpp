@@ -25,8 +25,8 @@ struct Checker::Impl {
 
   const double share, reserve;  ///< of the clearances; mm less than that
 
-  std::shared_ptr<LookKeeper> keeper;  ///< is told `looks` in the end; null: nobody asks
-  LookKeeper looks;
+  std::shared_ptr<QueryLog> keeper;  ///< is told `looks` in the end; null: nobody asks
+  QueryLog looks;
 
   Impl(std::shared_ptr<const World::Impl> shared, double clearance_share, double clearance_reserve)
       : world(std::move(shared)), share(clearance_share), reserve(clearance_reserve) {
@@ -98,34 +98,35 @@ struct Checker::Impl {
   }
 
   /// Where the distance of a pair lies: below its clearance, from there on below what settles it, or beyond.
-  enum class Gap : uint8_t { kTooNear, kOpen, kWide };
+  enum class LinkMove : uint8_t { kTooNear, kOpen, kWide };
 
   /// The answer is that of the distance itself, whatever proves it first, so that a motion is cut up the same
   /// way whatever is tried before. Distances to far meshes cost more than looking at shorter parts of the
   /// motion: where more than kNearby is wanted, only the boxes settle a pair.
-  Gap Compare(const BodyPair& pair, double clearance, double wanted) const {
+  LinkMove Compare(const BodyPair& pair, double clearance, double wanted) const {
     const Placed &a = placed[pair.first], &b = placed[pair.second];
     const bool far = wanted > clearance + kNearby;
-    if ((far || !world->measures_all) && BoxesApart(a, b, wanted)) return Gap::kWide;
-    if (far) return Nearer(pair, clearance) ? Gap::kTooNear : Gap::kOpen;
+    if ((far || !world->measures_all) && BoxesApart(a, b, wanted)) return LinkMove::kWide;
+    if (far) return Nearer(pair, clearance) ? LinkMove::kTooNear : LinkMove::kOpen;
     const double least = world->measures_all ? 0 : ProvenDistance(a, b, wanted, clearance);
-    if (least >= wanted) return Gap::kWide;
+    if (least >= wanted) return LinkMove::kWide;
     const DistanceBracket certain = Bracket(pair, wanted, clearance - kSure);
-    if (certain.most < clearance - kSure) return Gap::kTooNear;
-    if (certain.least >= wanted) return Gap::kWide;
-    if (std::max(least, certain.least) >= clearance && certain.most < wanted - kSure) return Gap::kOpen;
+    if (certain.most < clearance - kSure) return LinkMove::kTooNear;
+    if (certain.least >= wanted) return LinkMove::kWide;
+    if (std::max(least, certain.least) >= clearance && certain.most < wanted - kSure) return LinkMove::kOpen;
     const double distance = DistanceUpTo(a, b, wanted).distance;
     // The distance of two convex parts may come out too small: what boxes prove is not too near (FarFrom).
-    if (distance < clearance) return BoxesApart(a, b, clearance) ? Gap::kOpen : Gap::kTooNear;
-    return distance < wanted ? Gap::kOpen : Gap::kWide;
+    if (distance < clearance) return BoxesApart(a, b, clearance) ? LinkMove::kOpen : LinkMove::kTooNear;
+    return distance < wanted ? LinkMove::kOpen : LinkMove::kWide;
   }
 
   Interference Report(const BodyPair& pair, const BoundedDistance& found) const {
     return {world->bodies[pair.first].name, world->bodies[pair.second].name, found.ends, found.distance};
   }
 
-  std::optional<Sighting> Certify(const Joints& middle, const Joints& half_turn, int phase, double resolution,
-                                  const std::vector<int>& pairs, std::vector<int>& undecided);
+  std::optional<ContactCandidate> Certify(const Joints& middle, const Joints& half_turn, int phase,
+                                          double resolution, const std::vector<int>& pairs,
+                                          std::vector<int>& undecided);
 };
 
 Checker::Checker(const World& world, double clearance_share, double reserve)
@@ -145,18 +146,18 @@ CheckCounts& CheckCounts::operator+=(const CheckCounts& other) {
   return *this;
 }
 
-Interference Checker::Measure(const Sighting& sighting) {
+Interference Checker::Measure(const ContactCandidate& sighting) {
   impl_->Place(sighting.q);
   const BodyPair& pair = impl_->world->pairs[sighting.pair];
   return impl_->Report(pair, impl_->Distance(pair, sighting.bound));
 }
 
 std::optional<Interference> Checker::At(const Joints& q, Phase phase) {
-  const std::optional<Sighting> found = Blocked(q, phase);
+  const std::optional<ContactCandidate> found = Blocked(q, phase);
   return found ? std::optional(Measure(*found)) : std::nullopt;
 }
 
-std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase) {
+std::optional<ContactCandidate> Checker::Blocked(const Joints& q, Phase phase) {
   impl_->MoveTo(q);
   impl_->Look(q, q, Joints::Zero());
   const std::vector<BodyPair>& pairs = impl_->world->pairs;
@@ -165,13 +166,13 @@ std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase) {
     const double wanted = impl_->Wanted(pairs[index], static_cast<int>(phase));
     if (!impl_->Nearer(pairs[index], wanted)) continue;
     impl_->Tell(index);
-    return Sighting{q, index, wanted};
+    return ContactCandidate{q, index, wanted};
   }
   return std::nullopt;
 }
 
-std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase, const std::vector<double>& freedoms,
-                                         PointMemory& memory) {
+std::optional<ContactCandidate> Checker::Blocked(const Joints& q, Phase phase,
+                                                 const std::vector<double>& freedoms, PointMemory& memory) {
   if (impl_->world->measures_all) return Blocked(q, phase);
   impl_->MoveTo(q);
   impl_->Look(q, q, Joints::Zero());
@@ -190,7 +191,7 @@ std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase, const std
     const double wanted = impl_->Wanted(pairs[index], static_cast<int>(phase));
     if (!impl_->Nearer(pairs[index], wanted)) continue;
     impl_->Tell(index);
-    const Sighting found{q, index, wanted};
+    const ContactCandidate found{q, index, wanted};
     // The first of its kind: those before were looked at.
     if (entry) *entry = {true, found};
     return found;
@@ -240,9 +241,10 @@ std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, doubl
 
 /// Looks at the middle of a motion during which no joint turns by more than `half_turn` from it. Pairs that
 /// this does not settle for the whole motion go to `undecided`.
-std::optional<Sighting> Checker::Impl::Certify(const Joints& middle, const Joints& half_turn, int phase,
-                                               double resolution, const std::vector<int>& pairs,
-                                               std::vector<int>& undecided) {
+std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, const Joints& half_turn,
+                                                       int phase, double resolution,
+                                                       const std::vector<int>& pairs,
+                                                       std::vector<int>& undecided) {
   ++counts.looks;
   Place(middle);
   const JointAxes axes = AxesOf(X_WL);
@@ -259,21 +261,22 @@ std::optional<Sighting> Checker::Impl::Certify(const Joints& middle, const Joint
     const double motion = (*bounds)[world->bodies[pair.first].link];
     // What settles the pair for the whole motion: even the worst movement leaves clearance − resolution.
     const double wanted = std::max(clearance, clearance - resolution + motion);
-    const Gap gap = Compare(pair, clearance, wanted);
-    if (gap == Gap::kTooNear) return Sighting{middle, index, std::min(wanted, clearance + kNearby)};
-    if (gap == Gap::kOpen) undecided.push_back(index);
+    const LinkMove gap = Compare(pair, clearance, wanted);
+    if (gap == LinkMove::kTooNear)
+      return ContactCandidate{middle, index, std::min(wanted, clearance + kNearby)};
+    if (gap == LinkMove::kOpen) undecided.push_back(index);
   }
   return std::nullopt;
 }
 
 std::optional<Interference> Checker::Between(const Joints& q0, const Joints& q1, Phase phase,
                                              double resolution, const Joints& tube) {
-  const std::optional<Sighting> found = BlockedBetween(q0, q1, phase, resolution, tube);
+  const std::optional<ContactCandidate> found = BlockedBetween(q0, q1, phase, resolution, tube);
   return found ? std::optional(Measure(*found)) : std::nullopt;
 }
 
-std::optional<Sighting> Checker::BlockedBetween(const Joints& q0, const Joints& q1, Phase phase,
-                                                double resolution, const Joints& tube) {
+std::optional<ContactCandidate> Checker::BlockedBetween(const Joints& q0, const Joints& q1, Phase phase,
+                                                        double resolution, const Joints& tube) {
   assert(resolution > 0);
   struct Interval {
     double begin, end;  // of the motion's 0..1
@@ -306,7 +309,7 @@ std::optional<Sighting> Checker::BlockedBetween(const Joints& q0, const Joints& 
     if (half_turn.maxCoeff() < kSmallBesideTube * tube.maxCoeff()) {
       const Joints q = q0 + middle * (q1 - q0);
       impl_->Tell(undecided.front());
-      return Sighting{q, undecided.front(), std::numeric_limits<double>::infinity()};
+      return ContactCandidate{q, undecided.front(), std::numeric_limits<double>::infinity()};
     }
     open.push_back({middle, interval.end, undecided});
     open.push_back({interval.begin, middle, std::move(undecided)});

@@ -233,7 +233,7 @@ namespace {
 
 /// The gap between two boxes, as seen along the axes of `side`'s: in the corner region of one box outside of
 /// the other's extent along several of them.
-double GapAlongAxes(const Placed& side, const Placed& other, const Eigen::Vector3d& between) {
+double LinkMoveAlongAxes(const Placed& side, const Placed& other, const Eigen::Vector3d& between) {
   double square = 0;
   for (int i = 0; i < 3; ++i) {
     const auto axis = side.X_WG.linear().col(i);
@@ -249,28 +249,38 @@ double GapAlongAxes(const Placed& side, const Placed& other, const Eigen::Vector
 double BoxDistance(const Placed& a, const Placed& b) {
   const Eigen::Vector3d between = b.centre - a.centre;
   const double spheres = between.norm() - a.part->radius - b.part->radius;
-  return std::max({spheres, GapAlongAxes(a, b, between), GapAlongAxes(b, a, between), 0.0});
+  return std::max({spheres, LinkMoveAlongAxes(a, b, between), LinkMoveAlongAxes(b, a, between), 0.0});
 }
 
 bool BoxesApart(const Placed& a, const Placed& b, double bound) {
   const Eigen::Vector3d between = b.centre - a.centre;
   return bound <= 0 || between.norm() - a.part->radius - b.part->radius >= bound ||
-         GapAlongAxes(a, b, between) >= bound || GapAlongAxes(b, a, between) >= bound;
+         LinkMoveAlongAxes(a, b, between) >= bound || LinkMoveAlongAxes(b, a, between) >= bound;
 }
 
 bool ApartFromStill(const Placed& still, const Placed& part, double bound) {
   const Eigen::Vector3d between = part.centre - still.centre;
   return between.norm() - still.part->radius - part.part->radius >= bound ||
-         GapAlongAxes(still, part, between) >= bound;
+         LinkMoveAlongAxes(still, part, between) >= bound;
 }
 
-double ProvenDistance(const Placed& a, const Placed& b, double bound, double enough) {
-  if (a.part->mesh() && b.part->mesh()) return 0;
-  if (!a.part->mesh() && !b.part->mesh()) return std::clamp(WidestGap(a, b, bound), 0.0, bound);
-  const Placed &mesh = a.part->mesh() ? a : b, &body = a.part->mesh() ? b : a;
+namespace {
+
+/// Of a part's envelope from the triangles of a mesh.
+double ProvenFrom(const Placed& mesh, const Placed& body, double bound, double enough) {
   const Pose X_MG = mesh.X_WG.inverse(Eigen::Isometry) * body.X_WG;
   const double least = LeastDistance(body.part->envelope, X_MG, mesh.part->solid->tree(), bound, enough);
   return least >= enough && Swallows(mesh, body) ? 0 : least;
+}
+
+}  // namespace
+
+double ProvenDistance(const Placed& a, const Placed& b, double bound, double enough) {
+  if (!a.part->mesh() && !b.part->mesh()) return std::clamp(WidestGap(a, b, bound), 0.0, bound);
+  if (!b.part->mesh()) return ProvenFrom(a, b, bound, enough);
+  const double of_a = ProvenFrom(b, a, bound, enough);
+  if (!a.part->mesh() || of_a >= enough) return of_a;
+  return ProvenFrom(a, b, bound, enough);  // two meshes: the box of one or the other may lie clear
 }
 
 DistanceBracket BracketOf(const Placed& a, const Placed& b, double bound, double near) {

@@ -56,7 +56,7 @@ bool ApartFromStill(const Placed& still, const Placed& part, double bound);
 
 /// A lower bound of the distance of two parts from planes between them, mm, at most `bound` (> 0): never more
 /// than DistanceUpTo, at a fraction of its cost. Below `enough` nothing is proven but that it may be so near;
-/// the search stops there. 0 for two meshes and for a part wholly inside a closed mesh.
+/// the search stops there. 0 for a part wholly inside a closed mesh. Of two meshes one is taken as its box.
 double ProvenDistance(const Placed& a, const Placed& b, double bound, double enough);
 
 /// What is certain of the distance of two parts, as BracketDistance; {0, infinite} where they are not a mesh

@@ -24,7 +24,7 @@ class PointMemory {
   /// What is known of the pairs of one kind; until then nothing.
   struct Entry {
     bool known = false;
-    Sighting found;  ///< the first that interferes; no pair when none does
+    ContactCandidate found;  ///< the first that interferes; no pair when none does
   };
 
   /// `freedoms`: the pose's, the first the rotation about the tool axis. Entries by kind; null for kOther.

@@ -5,8 +5,8 @@
 #include <array>
 #include <vector>
 
-#include "machine/collision/triangle_tree.hpp"
 #include "geometry/mesh/triangles.hpp"
+#include "machine/collision/triangle_tree.hpp"
 
 namespace millpose {
 

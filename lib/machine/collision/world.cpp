@@ -48,7 +48,7 @@ Pose PoseOnLink(const Cell& cell, const Body& body) {
 std::vector<Problem> FindProblems(const Cell& cell) {
   std::vector<Problem> problems;
   const auto report = [&](std::string message) {
-    problems.push_back({Place{fmt::format("cell '{}'", cell.name)}, std::move(message)});
+    problems.push_back({SourceLocation{fmt::format("cell '{}'", cell.name)}, std::move(message)});
   };
   std::vector<std::string> names;
   for (const Body& body : cell.bodies) {
@@ -218,7 +218,7 @@ World::World(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
 World::~World() = default;
 
-World World::Watched(std::shared_ptr<LookKeeper> keeper) const {
+World World::Recording(std::shared_ptr<QueryLog> keeper) const {
   World watched = *this;
   watched.keeper_ = std::move(keeper);
   return watched;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "machine/collision/cell.hpp"
-#include "machine/collision/looks.hpp"
+#include "machine/collision/query_log.hpp"
 
 namespace millpose {
 
@@ -25,7 +25,7 @@ struct Interference {
 };
 
 /// Where a pair was found too near, not yet measured: Checker::Measure says how near.
-struct Sighting {
+struct ContactCandidate {
   Joints q = Joints::Zero();  ///< the pose, rad
   int pair = -1;
   double bound = 0;  ///< up to which the distance is wanted, mm
@@ -51,20 +51,20 @@ class World {
   /// the workpiece, or the robot's base (Mount::kLink).
   std::vector<std::string> TouchedBy(Mount mount) const;
   /// The same world, whose checkers tell `keeper` what they are asked (when they go).
-  World Watched(std::shared_ptr<LookKeeper> keeper) const;
+  World Recording(std::shared_ptr<QueryLog> keeper) const;
   /// Whether bodies of these names, which stand still, are so far from the arm in all of `looks` that no
   /// answer tells whether they are there. May say no where that is so.
-  bool FarFrom(const std::vector<std::string>& still, const Looks& looks) const;
+  bool FarFrom(const std::vector<std::string>& still, const Queries& looks) const;
   /// Of a pair as in Sighting: "link4 and workpiece".
   std::string PairName(int pair) const;
 
  private:
   friend class Checker;
-  friend class StationWay;
+  friend class StationPath;
   struct Impl;
   explicit World(std::shared_ptr<const Impl> impl);
   std::shared_ptr<const Impl> impl_;
-  std::shared_ptr<LookKeeper> keeper_;
+  std::shared_ptr<QueryLog> keeper_;
 };
 
 /// What checks took.
@@ -89,13 +89,13 @@ class Checker {
   std::optional<Interference> At(const Joints& q, Phase phase);
 
   /// The same without the distance: far cheaper, since it is hardly ever needed to know that it is too small.
-  std::optional<Sighting> Blocked(const Joints& q, Phase phase);
+  std::optional<ContactCandidate> Blocked(const Joints& q, Phase phase);
 
   /// The same for a pose at a milling point, with what is known of others there: pairs that `memory` knows to
   /// be free are not looked at again, and what it knows to interfere is answered with the pose where that was
   /// seen.
-  std::optional<Sighting> Blocked(const Joints& q, Phase phase, const std::vector<double>& freedoms,
-                                  PointMemory& memory);
+  std::optional<ContactCandidate> Blocked(const Joints& q, Phase phase, const std::vector<double>& freedoms,
+                                          PointMemory& memory);
 
   /// The smallest distance of any checked pair, mm, never more than `bound` (so `bound` means "at least
   /// that").
@@ -113,11 +113,12 @@ class Checker {
   std::optional<Interference> Between(const Joints& q0, const Joints& q1, Phase phase,
                                       double resolution = 0.5, const Joints& tube = Joints::Zero());
 
-  std::optional<Sighting> BlockedBetween(const Joints& q0, const Joints& q1, Phase phase,
-                                         double resolution = 0.5, const Joints& tube = Joints::Zero());
+  std::optional<ContactCandidate> BlockedBetween(const Joints& q0, const Joints& q1, Phase phase,
+                                                 double resolution = 0.5,
+                                                 const Joints& tube = Joints::Zero());
 
   /// What was sighted by a checker of the same world, clearances and reserve.
-  Interference Measure(const Sighting& sighting);
+  Interference Measure(const ContactCandidate& sighting);
 
   /// What was done so far, for the summary.
   const CheckCounts& counts() const;

@@ -3,6 +3,7 @@
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <set>
 
 #include "machine/identification/minimum_zone.hpp"
 
@@ -28,9 +29,45 @@ std::vector<size_t> FindOutliers(const std::vector<double>& distances) {
   return outliers;
 }
 
+/// The least and the greatest of the points along a direction.
+std::pair<size_t, size_t> ExtremesAlong(const std::vector<Eigen::Vector3d>& points,
+                                        const Eigen::Vector3d& direction) {
+  size_t least = 0, greatest = 0;
+  for (size_t i = 1; i < points.size(); ++i) {
+    if (direction.dot(points[i]) < direction.dot(points[least])) least = i;
+    if (direction.dot(points[i]) > direction.dot(points[greatest])) greatest = i;
+  }
+  return {least, greatest};
+}
+
+/// The minimum zone of points that are not all in one plane, by exchange: that of a few of them, to which
+/// those are added that stand out of it farthest, until none does. The zone of all is never narrower than
+/// that of some, so the last one is the zone of all. Where many points bend evenly their hull has as many
+/// corners, and the zone of all at once would take minutes.
+MinimumZone ZoneByExchange(const std::vector<Eigen::Vector3d>& points, const Flatness& fit) {
+  std::set<size_t> chosen;
+  const auto add = [&](const Eigen::Vector3d& direction) {
+    const auto [least, greatest] = ExtremesAlong(points, direction);
+    const size_t before = chosen.size();
+    chosen.insert({least, greatest});
+    return chosen.size() > before;
+  };
+  const Eigen::Vector3d across = fit.normal.unitOrthogonal(), third = fit.normal.cross(across);
+  for (const Eigen::Vector3d& direction :
+       {fit.normal, across, third, Eigen::Vector3d(across + third), Eigen::Vector3d(across - third)})
+    add(direction);
+  for (;;) {
+    std::vector<Eigen::Vector3d> some;
+    for (const size_t i : chosen) some.push_back(points[i]);
+    if (some.size() < 4 || AreCoplanar(some)) return FindMinimumZone(points);
+    const MinimumZone zone = FindMinimumZone(some);
+    if (!add(zone.normal)) return zone;
+  }
+}
+
 }  // namespace
 
-std::optional<Flatness> MeasureFlatness(const std::vector<Eigen::Vector3d>& points) {
+std::optional<Flatness> FitPlane(const std::vector<Eigen::Vector3d>& points) {
   if (points.size() < 3) return std::nullopt;
   Flatness result;
   result.centre.setZero();
@@ -47,6 +84,7 @@ std::optional<Flatness> MeasureFlatness(const std::vector<Eigen::Vector3d>& poin
   int largest = 0;
   result.normal.cwiseAbs().maxCoeff(&largest);
   if (result.normal[largest] < 0) result.normal = -result.normal;
+  result.zone_normal = result.normal;
 
   double square = 0;
   for (const Eigen::Vector3d& point : points) {
@@ -56,12 +94,17 @@ std::optional<Flatness> MeasureFlatness(const std::vector<Eigen::Vector3d>& poin
   const auto [low, high] = std::minmax_element(result.distances.begin(), result.distances.end());
   result.flatness = *high - *low;
   result.rms = std::sqrt(square / static_cast<double>(points.size()));
-  result.outliers = FindOutliers(result.distances);
-  result.zone_normal = result.normal;
+  return result;
+}
+
+std::optional<Flatness> MeasureFlatness(const std::vector<Eigen::Vector3d>& points) {
+  std::optional<Flatness> result = FitPlane(points);
+  if (!result) return result;
+  result->outliers = FindOutliers(result->distances);
   if (AreCoplanar(points)) return result;
-  const MinimumZone zone = FindMinimumZone(points);
-  result.minimum_zone = zone.width;
-  result.zone_normal = zone.normal;
+  const MinimumZone zone = ZoneByExchange(points, *result);
+  result->minimum_zone = zone.width;
+  result->zone_normal = zone.normal;
   return result;
 }
 

@@ -24,4 +24,7 @@ struct Flatness {
 /// (up to the last rounding). Empty when the points are fewer than 3 or lie on a line.
 std::optional<Flatness> MeasureFlatness(const std::vector<Eigen::Vector3d>& points);
 
+/// The same without the minimum zone, which takes far longer, and without outliers.
+std::optional<Flatness> FitPlane(const std::vector<Eigen::Vector3d>& points);
+
 }  // namespace millpose

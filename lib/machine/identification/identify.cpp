@@ -4,9 +4,9 @@
 #include <Eigen/Cholesky>
 #include <bit>
 
+#include "base/student.hpp"
 #include "base/units.hpp"
 #include "machine/identification/identify_system.hpp"
-#include "base/student.hpp"
 
 namespace millpose {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "base/trig.hpp"
+#include "machine/motion/rotation_vector.hpp"
 
 namespace millpose {
 namespace {
@@ -12,14 +12,6 @@ using Eigen::Vector3d;
 
 constexpr double kNoLength = 1e-6;  // mm
 constexpr double kNone = 1e-12;     // a bend or twist below this is rounding noise
-
-/// Axis times angle, in the frame that both rotations are given in.
-Vector3d RotationVector(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) {
-  Eigen::Quaterniond turn(Eigen::Matrix3d(to * from.transpose()));
-  if (turn.w() < 0) turn.coeffs() *= -1;
-  const double sine = turn.vec().norm();
-  return sine > kNone ? Vector3d(turn.vec() * (2 * Atan2(sine, turn.w()) / sine)) : Vector3d::Zero();
-}
 
 /// The reach at which a deviation of reach/4·change comes to `most`.
 double ReachFor(double change, double most) {
@@ -42,8 +34,8 @@ Corner CornerBetween(const Pose& before, const Pose& corner, const Pose& after) 
   const Vector3d out = after.translation() - corner.translation();
   const double shorter = std::min(in.norm(), out.norm());
   if (shorter < kNoLength) return {};
-  const Vector3d turn_in = RotationVector(before.linear(), corner.linear()) / in.norm();
-  const Vector3d turn_out = RotationVector(corner.linear(), after.linear()) / out.norm();
+  const Vector3d turn_in = RotationVector(corner.linear() * before.linear().transpose()) / in.norm();
+  const Vector3d turn_out = RotationVector(after.linear() * corner.linear().transpose()) / out.norm();
   return {shorter, (out.normalized() - in.normalized()).norm(), (turn_out - turn_in).norm()};
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "machine/motion/ride.hpp"
+#include "machine/motion/coordinated_motion.hpp"
 
 namespace millpose {
 
@@ -40,7 +40,7 @@ struct Carrier {
   /// Where external axes move along a straight motion: how the base moves, once from its start to its end.
   /// The motion is straight in the part's frame P, which then stands for W in all that follows; X_WB is not
   /// read.
-  std::shared_ptr<const Ride> ride = nullptr;
+  std::shared_ptr<const CoordinatedMotion> ride = nullptr;
 
   // `share`: of the ride, 0..1.
   Pose BasePose(double share = 0) const { return ride ? ride->BaseInPart(share) : X_WB; }  ///< X_WB

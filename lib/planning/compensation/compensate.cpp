@@ -4,11 +4,11 @@
 #include <cassert>
 #include <limits>
 
-#include "planning/compensation/shift.hpp"
 #include "machine/motion/line.hpp"
-#include "planning/result/station.hpp"
 #include "machine/robot/angles.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/compensation/shift.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {
@@ -73,11 +73,13 @@ class Compensator {
       PlannedPoint& point = pass.points[i];
       point.compensation.reset();
       if (point.external) Stand(*point.external);
-      if (point.skip == Obstacle::kNone) point.compensation = Expected(point, forces_[p][i]);
+      if (point.skip != Infeasibility::kNone) continue;
+      point.compensation = Expected(point, forces_[p][i]);
+      if (!options_.map.empty()) point.compensation->map = options_.map[p][i];
     }
     const bool finished = p / per_layer_ + 1 >= options_.layers;
     const bool shifts = finished || options_.which == CompensatedLayers::kAll;
-    for (const Piece& piece : pass.pieces) {
+    for (const Segment& piece : pass.pieces) {
       if (shifts) TakeOutOf(pass, piece, &Compensation::normal);
       if (shifts && options_.deflection == TakeOut::kFull) TakeOutOf(pass, piece, &Compensation::across);
     }
@@ -119,7 +121,7 @@ class Compensator {
     return found;
   }
 
-  void TakeOutOf(PassResult& pass, const Piece& piece, Compensation::Along Compensation::*member) {
+  void TakeOutOf(PassResult& pass, const Segment& piece, Compensation::Along Compensation::*member) {
     std::vector<size_t> points;
     for (auto i = static_cast<size_t>(piece.first); i <= static_cast<size_t>(piece.last); ++i)
       if (pass.points[i].compensation) points.push_back(i);
@@ -163,10 +165,23 @@ class Compensator {
       ++counts_.cut;
       counts_.largest_cut = std::max(counts_.largest_cut, length);
     }
-    c.shift = shift();
+    BoundMap(shift(), point.normal, c);
+    c.shift = shift() - c.map * point.normal;
     if (!c.shift.isZero(0.0)) Reach(planned);
     if (point.kind == PointKind::kCut)
       here_.Add(to_zero_ * point.position, c.normal.expected - c.normal.taken);
+  }
+
+  /// Lowers what the map takes out until the whole shift, `other` and the map's, is `most` long.
+  void BoundMap(const Vector3d& other, const Vector3d& normal, Compensation& c) {
+    const double length = (other - c.map * normal).norm();
+    if (c.map == 0 || length <= options_.most) return;
+    const double along = other.dot(normal), beside = (other - along * normal).squaredNorm();
+    const double room = std::sqrt(std::max(0.0, options_.most * options_.most - beside));
+    c.map = std::clamp(c.map, along - room, along + room);
+    if (!c.bounded) ++counts_.cut;
+    c.bounded = true;
+    counts_.largest_cut = std::max(counts_.largest_cut, length);
   }
 
   void Reach(PlannedPoint& planned) {
@@ -192,7 +207,7 @@ class Compensator {
     c.q = planned.q;
     c.shift.setZero();
     c.weight.setZero();
-    c.normal.taken = c.across.taken = 0;
+    c.normal.taken = c.across.taken = c.map = 0;
   }
 
  private:
@@ -211,7 +226,7 @@ class Compensator {
 }  // namespace
 
 bool IsOn(const CompensationOptions& options) {
-  return options.deflection != TakeOut::kOff || options.weight;
+  return options.deflection != TakeOut::kOff || options.weight || !options.map.empty();
 }
 
 PointForces ForcesOf(const PlanResult& plan) {
@@ -230,7 +245,7 @@ CompensationCounts Compensate(const CompensationOptions& options, const PointFor
   return Compensator(options, forces, plan).Run();
 }
 
-void LeaveNominal(PassResult& pass, const Piece& piece) {
+void LeaveNominal(PassResult& pass, const Segment& piece) {
   for (auto i = static_cast<size_t>(piece.first); i <= static_cast<size_t>(piece.last); ++i)
     if (pass.points[i].compensation) Compensator::StayNominal(pass.points[i]);
 }

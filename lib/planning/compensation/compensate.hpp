@@ -25,6 +25,9 @@ enum class CompensatedLayers : uint8_t { kFinished, kAll };
 inline constexpr EnumWords<CompensatedLayers, 2> kCompensatedLayersWords = {
     {{"finished", CompensatedLayers::kFinished}, {"all", CompensatedLayers::kAll}}};
 
+/// An amount for every point of every pass of a plan, mm.
+using PointAmounts = std::vector<std::vector<double>>;
+
 struct CompensationOptions {
   TakeOut deflection = TakeOut::kOff;
   std::optional<double> share;  ///< of the expected deflection, 0..1; empty: by what is sure (TakenOut)
@@ -38,6 +41,8 @@ struct CompensationOptions {
   /// How far weight moves the tip in a pose, in B, mm, against the pose in which the workpiece's frame was
   /// measured. Empty: weight is left alone.
   std::function<Eigen::Vector3d(const Joints& q)> weight;
+  /// What the map of a measured part takes out along the normal, after everything else; empty: no map.
+  PointAmounts map;
 };
 
 /// Whether anything is to be shifted.
@@ -66,7 +71,7 @@ CompensationCounts Compensate(const CompensationOptions& options, const PointFor
                               PlanResult& plan);
 
 /// A piece runs at its nominal poses.
-void LeaveNominal(PassResult& pass, const Piece& piece);
+void LeaveNominal(PassResult& pass, const Segment& piece);
 
 /// Whether any point of a plan is commanded to another pose than its nominal one.
 bool IsCompensated(const PlanResult& plan);

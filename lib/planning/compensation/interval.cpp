@@ -1,36 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "planning/compensation/interval.hpp"
 
-#include "base/trig.hpp"
 #include "machine/stiffness/compliance.hpp"
 
 namespace millpose {
+
 namespace {
 
 using Eigen::Vector3d;
-
-/// The forces within bounds of a stated one, as far as their product with a vector goes.
-class ForceCone {
- public:
-  ForceCone(const Vector3d& force, const ForceBounds& bounds)
-      : force_(force),
-        length_(force.norm()),
-        least_(std::max(0.0, 1 - bounds.length)),
-        most_(1 + bounds.length),
-        angle_(bounds.angle) {}
-
-  /// The largest g·F over them. The least is −Largest(−g).
-  double Largest(const Vector3d& g) const {
-    const double along = g.dot(force_), across = g.cross(force_).norm();
-    const double off = std::max(0.0, Atan2(across, along) - angle_);
-    const double product = g.norm() * length_ * SinCos(off).cos;
-    return product * (product > 0 ? most_ : least_);
-  }
-
- private:
-  Vector3d force_;
-  double length_, least_, most_, angle_;
-};
 
 }  // namespace
 

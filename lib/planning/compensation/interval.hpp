@@ -7,17 +7,11 @@
 #include <array>
 #include <vector>
 
-#include "base/units.hpp"
-#include "planning/result/plan_result.hpp"
+#include "machine/stiffness/force_cone.hpp"
 #include "machine/stiffness/series.hpp"
+#include "planning/result/plan_result.hpp"
 
 namespace millpose {
-
-/// How sure a force is: its length lies within this share of the stated one, its direction within an angle.
-struct ForceBounds {
-  double length = 0.3;          ///< share; above 1 the force may vanish, but not turn round
-  double angle = DegToRad(20);  ///< rad, 0..π/2
-};
 
 /// How sure stiffness is: each lies within this share of the stated one, 0 to below 1.
 struct StiffnessBounds {

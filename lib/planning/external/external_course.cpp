@@ -31,7 +31,7 @@ Pass EndingWhereItBegan(Pass pass) {
 }
 
 bool IsSlowEnough(const ExternalCourse& course, const Pass& pass, const std::vector<ExternalAxis>& axes,
-                  const RideBounds& bounds) {
+                  const CoordinatedBounds& bounds) {
   if (!course.Moves()) return true;
   const double length = pass.points.back().arc_length - pass.points.front().arc_length;
   double feed = 0;  // mm/s, the largest: a course is as steep everywhere

@@ -27,13 +27,13 @@ std::vector<ExternalPosition> PositionsAlong(const ExternalCourse& course, const
 Pass EndingWhereItBegan(Pass pass);
 
 /// What the planner may ask of external axes in a cut.
-struct RideBounds {
+struct CoordinatedBounds {
   double speed_share = 0.25;  ///< of each axis's speed, at the programmed feed
 };
 
 /// Whether every axis of a course keeps within the bounds on every segment of the pass: what it moves over
 /// the segment's length at its feed.
 bool IsSlowEnough(const ExternalCourse& course, const Pass& pass, const std::vector<ExternalAxis>& axes,
-                  const RideBounds& bounds);
+                  const CoordinatedBounds& bounds);
 
 }  // namespace millpose

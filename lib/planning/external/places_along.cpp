@@ -7,13 +7,13 @@ namespace millpose {
 namespace {
 
 /// Lets each motion go to the next place.
-void Join(const Ride& like, std::vector<PlaceAlong>& places) {
+void Join(const CoordinatedMotion& like, std::vector<PlaceAlong>& places) {
   for (size_t t = 0; t < places.size(); ++t) {
-    Ride ride = like;
+    CoordinatedMotion ride = like;
     ride.from = places[t].external;
     ride.to = places[std::min(t + 1, places.size() - 1)].external;
     places[t].onward = places[t].standing;
-    places[t].onward.ride = std::make_shared<const Ride>(std::move(ride));
+    places[t].onward.ride = std::make_shared<const CoordinatedMotion>(std::move(ride));
   }
 }
 

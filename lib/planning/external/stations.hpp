@@ -7,8 +7,8 @@
 #include <mutex>
 
 #include "machine/collision/world.hpp"
-#include "planning/result/plan_result.hpp"
 #include "planning/pose/scorer.hpp"
+#include "planning/result/plan_result.hpp"
 
 namespace millpose {
 

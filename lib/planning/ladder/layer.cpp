@@ -77,7 +77,7 @@ std::vector<const NodeSeed*> InOrder(const std::vector<NodeSeed>& seeds) {
   std::vector<const NodeSeed*> order;
   order.reserve(seeds.size());
   for (const NodeSeed& seed : seeds)
-    if (seed.candidate.obstacle == Obstacle::kNone) order.push_back(&seed);
+    if (seed.candidate.obstacle == Infeasibility::kNone) order.push_back(&seed);
   std::ranges::stable_sort(order, [](const NodeSeed* a, const NodeSeed* b) {
     return a->lane() != b->lane() ? a->lane() < b->lane() : a->freedoms < b->freedoms;
   });
@@ -120,7 +120,7 @@ namespace {
 
 NodeSeed SeedOf(const CandidateTable& table, const CandidateTable::Entry& entry, int course) {
   Candidate candidate;
-  candidate.obstacle = Obstacle::kNone;
+  candidate.obstacle = Infeasibility::kNone;
   candidate.objective = entry.objective;
   candidate.q = entry.q;
   return {table.Setting(entry.setting), candidate, entry.branch, false, course};

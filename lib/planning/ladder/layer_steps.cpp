@@ -3,8 +3,8 @@
 
 #include <bit>
 
-#include "planning/ladder/block_kernel.hpp"
 #include "machine/motion/line.hpp"
+#include "planning/ladder/block_kernel.hpp"
 
 namespace millpose {
 namespace {

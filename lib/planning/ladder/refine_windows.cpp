@@ -93,11 +93,11 @@ void AddWindow(const PointScorer& scorer, const PathNode& at, const ScoredWindow
   };
   const auto& [settings, candidates, end_tolerance] = window;
   for (size_t k = 0; k < settings.size(); ++k) {
-    const bool admissible = candidates[k].obstacle == Obstacle::kNone;
+    const bool admissible = candidates[k].obstacle == Infeasibility::kNone;
     if (settings[k] != at.freedoms) add(settings[k], candidates[k]);
     for (const size_t beside : {k - 1, k + 1}) {
       if (!admissible || beside >= settings.size()) continue;
-      if (candidates[beside].obstacle == Obstacle::kNone) continue;
+      if (candidates[beside].obstacle == Infeasibility::kNone) continue;
       if (!std::equal(settings[k].begin() + 1, settings[k].end(), settings[beside].begin() + 1)) continue;
       FreedomValues end = settings[k];
       int evaluations = 0;
@@ -116,7 +116,7 @@ std::vector<NodeSeed> WindowSeeds(const PointScorer& scorer, const PointOptimum&
   std::vector<NodeSeed> seeds;
   seeds.reserve(2 * kHalfWindow + 4);
   std::optional<Known> own;
-  if (known) own = Known{at.freedoms, {Obstacle::kNone, at.objective, 0, at.q}};
+  if (known) own = Known{at.freedoms, {Infeasibility::kNone, at.objective, 0, at.q}};
   const ScoredWindow window(scorer, at.freedoms, span, at.branch, own);
   seeds.push_back({at.freedoms, window.At(scorer, at.freedoms, at.branch), at.branch, at.genetic});
   AddWindow(scorer, at, window, 0, seeds);

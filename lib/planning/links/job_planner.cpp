@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "planning/links/job_planner.hpp"
 
-#include "planning/result/station.hpp"
 #include "machine/robot/angles.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 
-GapEnd HomeOf(const PlanResult& plan) { return {-1, -1, plan.home, Mechanism(plan.external_axes).Home()}; }
+LinkMoveEnd HomeOf(const PlanResult& plan) {
+  return {-1, -1, plan.home, Mechanism(plan.external_axes).Home()};
+}
 
-std::vector<std::pair<GapEnd, GapEnd>> GapEnds(const GapEnd& home, const std::vector<PassResult>& passes) {
-  std::vector<std::pair<GapEnd, GapEnd>> gaps;
-  GapEnd from = home;
+std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> LinkMoveEnds(const LinkMoveEnd& home,
+                                                              const std::vector<PassResult>& passes) {
+  std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> gaps;
+  LinkMoveEnd from = home;
   for (const PassResult& pass : passes) {
-    for (const Piece& piece : pass.pieces) {
+    for (const Segment& piece : pass.pieces) {
       const auto at = [&](int point) {
         const auto t = static_cast<size_t>(point);
-        return GapEnd{pass.pass, piece.piece, pass.points[t].q, ExternalAt(pass, t)};
+        return LinkMoveEnd{pass.pass, piece.piece, pass.points[t].q, ExternalAt(pass, t)};
       };
-      GapEnd start = at(piece.first), end = at(piece.last);
+      LinkMoveEnd start = at(piece.first), end = at(piece.last);
       if (piece.closed)
         end.q = NearestEquivalent(end.q, start.q);  // the cut goes on round to the first point
       gaps.emplace_back(from, start);

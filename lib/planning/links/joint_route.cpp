@@ -62,7 +62,7 @@ class Judge {
       double nearest = 0;  // mm
     };
     std::map<std::string, Met> blocked;
-    for (const Sighting& sighting : sightings_) {
+    for (const ContactCandidate& sighting : sightings_) {
       const Interference found = checker_.Measure(sighting);
       Met& met = blocked[fmt::format("{} and {}", found.first, found.second)];
       met.nearest = met.count++ == 0 ? found.distance : std::min(met.nearest, found.distance);
@@ -81,13 +81,13 @@ class Judge {
   }
 
  private:
-  bool Count(const std::optional<Sighting>& found) {
+  bool Count(const std::optional<ContactCandidate>& found) {
     if (found) sightings_.push_back(*found);
     return !found;
   }
   Checker checker_;
   const RouteOptions& options_;
-  std::vector<Sighting> sightings_;
+  std::vector<ContactCandidate> sightings_;
 };
 
 /// OMPL's own samplers draw from a process-wide generator of seeds; this one from the gap's own stream, so

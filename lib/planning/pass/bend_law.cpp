@@ -7,7 +7,7 @@ namespace millpose {
 
 Joints BendLaw::UnchangedStep(size_t t, const FreedomValues& freedoms, int branch, const Joints& q) const {
   const Candidate beside = scorers_[(t + 1) % scorers_.size()].ScoreOne(freedoms, branch);
-  if (beside.obstacle == Obstacle::kUnreachable) return Joints::Zero();
+  if (beside.obstacle == Infeasibility::kUnreachable) return Joints::Zero();
   return (beside.q - q).unaryExpr(&WrapToPi);
 }
 

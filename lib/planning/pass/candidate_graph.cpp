@@ -25,8 +25,8 @@ CandidateGraph::CandidateGraph(PassChecks checks, std::vector<Layer> layers, std
   }
 }
 
-std::optional<Sighting> CandidateGraph::Meets(PassCheckers& checkers, size_t layer,
-                                              const FreedomValues& freedoms, const Joints& q) {
+std::optional<ContactCandidate> CandidateGraph::Meets(PassCheckers& checkers, size_t layer,
+                                                      const FreedomValues& freedoms, const Joints& q) {
   return known_[layer]->OfCandidate(checkers.At(layer), freedoms, q, checks_);
 }
 
@@ -35,7 +35,7 @@ bool CandidateGraph::Prunes(PassCheckers& checkers, size_t layer, size_t node) {
   if (verdict != Verdict::kUnknown) return false;
   Layer& of = layers_[layer];
   const double gouge = checks_.gouges.At(of.joints.At(node));
-  const std::optional<Sighting> hit =
+  const std::optional<ContactCandidate> hit =
       gouge > 0 ? std::nullopt : Meets(checkers, layer, FreedomsOf(of, node), of.joints.At(node));
   verdict = hit || gouge > 0 ? Verdict::kBlocked : Verdict::kFree;
   if (verdict == Verdict::kFree) return false;

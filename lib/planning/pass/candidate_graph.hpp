@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "planning/pass/point_verdicts.hpp"
 #include "planning/ladder/ladder_search.hpp"
+#include "planning/pass/point_verdicts.hpp"
 
 namespace millpose {
 
@@ -35,8 +35,8 @@ class CandidateGraph {
   /// Whether a node is free; pruned when not.
   bool IsFree(PassCheckers& checkers, size_t layer, size_t node);
   /// What a pose at a layer's point meets, be it a node or not.
-  std::optional<Sighting> Meets(PassCheckers& checkers, size_t layer, const FreedomValues& freedoms,
-                                const Joints& q);
+  std::optional<ContactCandidate> Meets(PassCheckers& checkers, size_t layer, const FreedomValues& freedoms,
+                                        const Joints& q);
   /// Prunes a node that interferes with nothing by itself.
   void TakeOut(size_t layer, size_t node);
   /// Gives back the nodes that TakeOut took in the layers that `sequence` goes through.
@@ -76,7 +76,7 @@ class CandidateGraph {
 
   /// The last interference found at a layer or on the way from it; empty when there was none.
   std::string Detail(size_t layer) const;
-  std::optional<Sighting> LastSighting(size_t layer) const {
+  std::optional<ContactCandidate> LastContactCandidate(size_t layer) const {
     return last_problem_[layer] ? last_problem_[layer]->sighting : std::nullopt;
   }
   /// What was met last at a layer was as well at another.

@@ -30,10 +30,10 @@ struct Part {
 /// whole.
 const Carrier& PartOf(const Carrier& whole, double begin, double end, std::optional<Carrier>& part) {
   if (!whole.ride) return whole;
-  Ride ride = *whole.ride;
+  CoordinatedMotion ride = *whole.ride;
   ride.from = whole.ride->At(begin), ride.to = whole.ride->At(end);
   part = whole;
-  part->ride = std::make_shared<const Ride>(std::move(ride));
+  part->ride = std::make_shared<const CoordinatedMotion>(std::move(ride));
   return *part;
 }
 
@@ -43,9 +43,9 @@ std::optional<CutProblem> Look(Checker& checker, const Part& part, const Joints&
   return found ? std::optional(CutProblem{found}) : std::nullopt;
 }
 
-std::optional<CutProblem> Look(RidingChecker& checker, const Part& part, const Joints& deviation,
+std::optional<CutProblem> Look(CoordinatedChecker& checker, const Part& part, const Joints& deviation,
                                double resolution) {
-  const Ride& ride = *part.carrier.ride;
+  const CoordinatedMotion& ride = *part.carrier.ride;
   const auto found = checker.BlockedBetween({part.q0, ride.from}, {part.q1, ride.to}, Phase::kCutting,
                                             resolution, deviation);
   return found ? std::optional(CutProblem{found->sighting, 0, found->external}) : std::nullopt;
@@ -67,7 +67,7 @@ std::optional<CutProblem> CheckPart(AnyChecker& checker, const Part& part, doubl
 
 }  // namespace
 
-std::optional<CutProblem> CheckCut(RidingChecker& checker, const Carrier& carrier, const Joints& q0,
+std::optional<CutProblem> CheckCut(CoordinatedChecker& checker, const Carrier& carrier, const Joints& q0,
                                    const Joints& q1, double resolution) {
   return CheckPart(checker, {carrier, q0, q1}, resolution, 0);
 }

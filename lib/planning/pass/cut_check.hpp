@@ -4,16 +4,16 @@
 #include <optional>
 #include <string>
 
-#include "machine/collision/riding_checker.hpp"
+#include "machine/collision/coordinated_checker.hpp"
 #include "machine/motion/line.hpp"
 
 namespace millpose {
 
 /// What is in the way of a straight motion of the tool.
 struct CutProblem {
-  std::optional<Sighting> sighting;  ///< empty: the arm would change its branch, or the cutter gouge
-  double gouge = 0;                  ///< how deep the cutter would go into the part, mm
-  ExternalPosition external = {};    ///< where the axes were at the sighting, on a motion along which they go
+  std::optional<ContactCandidate> sighting;  ///< empty: the arm would change its branch, or the cutter gouge
+  double gouge = 0;                          ///< how deep the cutter would go into the part, mm
+  ExternalPosition external = {};  ///< where the axes were at the sighting, on a motion along which they go
 };
 
 /// Checks the straight motion of the tool between the poses at q0 and q1 (LIN, G1: what every program runs in
@@ -25,7 +25,7 @@ std::optional<CutProblem> CheckCut(Checker& checker, const Carrier& carrier, con
                                    const Joints& q1, double resolution);
 
 /// The same where external axes move: `carrier` has their ride, and the motion is straight in P.
-std::optional<CutProblem> CheckCut(RidingChecker& checker, const Carrier& carrier, const Joints& q0,
+std::optional<CutProblem> CheckCut(CoordinatedChecker& checker, const Carrier& carrier, const Joints& q0,
                                    const Joints& q1, double resolution);
 
 /// One line; `checker`: of the world where it was seen.

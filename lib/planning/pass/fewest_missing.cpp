@@ -62,7 +62,8 @@ class MissingSearch {
       const PlannedIn in(stations_, *passes_[pass]);
       size_t i = 0;
       for (size_t t = 0; t < passes_[pass]->points.size(); ++t) {
-        if (passes_[pass]->points[t].skip == Obstacle::kNone && wanted(i++)) LookAtPoint(in, pass, t, blocks);
+        if (passes_[pass]->points[t].skip == Infeasibility::kNone && wanted(i++))
+          LookAtPoint(in, pass, t, blocks);
       }
     });
     for (size_t r = 0; r < counts_.size(); ++r) {
@@ -92,7 +93,7 @@ class MissingSearch {
       scorer.ScoreBlock(values, 1u << ((first_branch + i) & 3), scored);
       for (const auto& obstacle : scored.obstacle)
         for (size_t l = 0; l < kLanes; ++l)
-          if (obstacle[l] == Obstacle::kNone) posed |= 1u << l;
+          if (obstacle[l] == Infeasibility::kNone) posed |= 1u << l;
     }
     return posed;
   }

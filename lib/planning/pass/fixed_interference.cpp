@@ -2,8 +2,8 @@
 #include "planning/pass/fixed_interference.hpp"
 
 #include "base/parallel.hpp"
-#include "planning/pass/pass_checks.hpp"
 #include "machine/robot/angles.hpp"
+#include "planning/pass/pass_checks.hpp"
 
 namespace millpose {
 namespace {
@@ -18,7 +18,7 @@ FixedInterference::FixedInterference(const Stations& stations, const PassResult&
     : stations_(stations), pass_(pass), options_(options) {
   for (size_t first = 0; first < kStride; ++first)
     for (size_t t = first; t < pass.points.size(); t += kStride)
-      if (pass.points[t].skip == Obstacle::kNone) order_.push_back(t);
+      if (pass.points[t].skip == Infeasibility::kNone) order_.push_back(t);
 }
 
 bool FixedInterference::IsFree(double rotation, int branch) {
@@ -45,7 +45,7 @@ bool FixedInterference::IsFree(double rotation, int branch) {
     return checkers.At(t).Blocked(joints(t), Phase::kCutting).has_value();
   };
   const auto way_hits = [&](size_t t) {  // from the point before
-    if (t == 0 || points[t - 1].piece != points[t].piece || points[t - 1].skip != Obstacle::kNone)
+    if (t == 0 || points[t - 1].piece != points[t].piece || points[t - 1].skip != Infeasibility::kNone)
       return false;
     const Joints& from = joints(t - 1);
     return CheckCut(checkers, checks, t - 1, from, NearestEquivalent(from, joints(t))).has_value();
@@ -63,7 +63,7 @@ bool FixedInterference::IsFree(double rotation, int branch) {
     if (pose_hits(t) || way_hits(t)) return false;
   // Motions last: they cost most.
   if (!all_free(pose_hits)) return false;
-  for (const Piece& piece : pass_.pieces) {
+  for (const Segment& piece : pass_.pieces) {
     const auto first = static_cast<size_t>(piece.first), end = static_cast<size_t>(piece.last);
     if (!Leaves(in.At(first), points[first].q, joints(first))) return false;
     if (!piece.closed && !Leaves(in.At(end), points[end].q, joints(end))) return false;

@@ -7,9 +7,10 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "machine/stiffness/compliance.hpp"
 #include "planning/pass/fewest_missing.hpp"
 #include "planning/pass/fixed_interference.hpp"
-#include "machine/stiffness/compliance.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {
@@ -27,10 +28,14 @@ class Comparer {
  public:
   Comparer(const Stations& stations, const std::vector<PassResult>& passes,
            const FixedRotationOptions& options)
-      : options_(options), stations_(stations), compared_(Compared(passes)) {
+      : options_(options),
+        stations_(stations),
+        compared_(Compared(passes)),
+        face_(OfFace(passes, options.finished_from)) {
     size_t number = 0;
     for (const PassResult& pass : passes) {
-      if (std::ranges::any_of(pass.points, [](const auto& point) { return point.skip == Obstacle::kNone; }))
+      if (std::ranges::any_of(pass.points,
+                              [](const auto& point) { return point.skip == Infeasibility::kNone; }))
         passes_.push_back({&pass, number, {}, {stations, pass, options}, {}});
       number += pass.points.size();
     }
@@ -44,6 +49,9 @@ class Comparer {
     FixedComparison comparison;
     for (const OfPass& pass : passes_) {
       const PlannedIn in = In(pass);
+      std::vector<Joints> q;
+      for (const PlannedPoint& planned : pass.pass->points) q.push_back(planned.q);
+      comparison.plan_gears.Add(GearsWith(pass, in, q));
       for (size_t t = 0; t < pass.pass->points.size(); ++t) {
         const PlannedPoint& planned = pass.pass->points[t];
         if (compared_(planned))
@@ -71,27 +79,37 @@ class Comparer {
   /// Made when it is needed: where axes move along passes all points together would be many.
   PlannedIn In(const OfPass& pass) const { return {stations_, *pass.pass}; }
 
-  bool Better(const Ranked& a, const Ranked& b) const {
-    const auto key = [&](const Ranked& r) {
-      return options_.worst_first ? std::pair(r.worst, r.sum) : std::pair(r.sum, r.worst);
-    };
-    return key(a) < key(b);
-  }
+  /// How rotations are ranked, and up to which worst value they count.
+  struct Criterion {
+    bool worst_first;
+    double limit = kInfinity;
+
+    bool Better(const Ranked& a, const Ranked& b) const {
+      const auto key = [&](const Ranked& r) {
+        return worst_first ? std::pair(r.worst, r.sum) : std::pair(r.sum, r.worst);
+      };
+      return key(a) < key(b);
+    }
+    void Sort(std::vector<Ranked>& ranked) const {
+      std::stable_sort(ranked.begin(), ranked.end(),
+                       [this](const Ranked& a, const Ranked& b) { return Better(a, b); });
+    }
+  };
 
   /// The branches of a rotation that serve a pass but for interference, the best first.
-  std::vector<Ranked> Branches(const OfPass& pass, size_t rotation) const {
+  static std::vector<Ranked> Branches(const OfPass& pass, size_t rotation, const Criterion& by) {
     std::vector<Ranked> ranked;
     for (int branch = 0; branch < 8; ++branch) {
       const FixedTable::Entry& entry = pass.table.At(rotation, branch);
-      if (entry.serves) ranked.push_back({entry.worst, entry.sum, rotation, branch});
+      if (entry.serves && entry.worst <= by.limit)
+        ranked.push_back({entry.worst, entry.sum, rotation, branch});
     }
-    std::stable_sort(ranked.begin(), ranked.end(),
-                     [&](const Ranked& a, const Ranked& b) { return Better(a, b); });
+    by.Sort(ranked);
     return ranked;
   }
 
   /// Whether the pass is free of interference at a rotation on a branch; remembered.
-  bool Free(OfPass& pass, const Ranked& ranked) {
+  static bool Free(OfPass& pass, const Ranked& ranked) {
     char& free = pass.free[8 * ranked.rotation + static_cast<size_t>(ranked.branch)];
     if (free == 0)
       free = pass.interference.IsFree(pass.table.Rotation(ranked.rotation), ranked.branch) ? 1 : 2;
@@ -99,37 +117,43 @@ class Comparer {
   }
 
   /// The best free branch of a rotation over a pass.
-  std::optional<Ranked> Served(OfPass& pass, size_t rotation) {
-    for (const Ranked& ranked : Branches(pass, rotation))
+  static std::optional<Ranked> Served(OfPass& pass, size_t rotation, const Criterion& by) {
+    for (const Ranked& ranked : Branches(pass, rotation, by))
       if (Free(pass, ranked)) return ranked;
     return std::nullopt;
   }
 
-  void CompareJob(FixedComparison& comparison) {
-    const size_t count = passes_.front().table.rotations;
-    std::vector<Ranked> bounds;  // what a rotation gives at best, interference left aside
-    for (size_t r = 0; r < count; ++r) {
+  /// What every rotation gives the job at best, interference left aside; the best first.
+  std::vector<Ranked> JobBounds(const Criterion& by) const {
+    std::vector<Ranked> bounds;
+    for (size_t r = 0; r < passes_.front().table.rotations; ++r) {
       Ranked bound{0, 0, r, 0};
       for (const OfPass& pass : passes_) {
-        const std::vector<Ranked> branches = Branches(pass, r);
+        const std::vector<Ranked> branches = Branches(pass, r, by);
         if (branches.empty()) bound.worst = bound.sum = kInfinity;
         if (!branches.empty()) bound.worst = std::max(bound.worst, branches.front().worst);
         if (!branches.empty()) bound.sum += branches.front().sum;
       }
       if (std::isfinite(bound.sum)) bounds.push_back(bound);
     }
-    std::stable_sort(bounds.begin(), bounds.end(),
-                     [&](const Ranked& a, const Ranked& b) { return Better(a, b); });
-    Ranked best;
-    std::vector<Ranked> chosen;
-    size_t in_the_way = kNone;  // the pass that the last rotation failed at
+    by.Sort(bounds);
+    return bounds;
+  }
+
+  /// The best rotation of the whole job.
+  struct BestOfJob {
+    Ranked whole;
+    std::vector<Ranked> passes;  ///< empty where none serves all
+  };
+  BestOfJob BestForJob(const std::vector<Ranked>& bounds, const Criterion& by, size_t& in_the_way) {
+    BestOfJob best;
     for (const Ranked& bound : bounds) {
-      if (!chosen.empty() && !Better(bound, best)) break;
+      if (!best.passes.empty() && !by.Better(bound, best.whole)) break;
+      if (in_the_way != kNone && !Served(passes_[in_the_way], bound.rotation, by)) continue;
       std::vector<std::optional<Ranked>> served(passes_.size());
-      bool all = in_the_way == kNone || Served(passes_[in_the_way], bound.rotation).has_value();
-      if (!all) continue;
       ParallelFor(passes_.size(), options_.threads, options_.stop,
-                  [&](size_t i) { served[i] = Served(passes_[i], bound.rotation); });
+                  [&](size_t i) { served[i] = Served(passes_[i], bound.rotation, by); });
+      bool all = true;
       Ranked whole{0, 0, bound.rotation, 0};
       for (size_t i = 0; i < served.size(); ++i) {
         all = all && served[i];
@@ -138,25 +162,41 @@ class Comparer {
         whole.worst = std::max(whole.worst, served[i]->worst);
         whole.sum += served[i]->sum;
       }
-      if (!all || (!chosen.empty() && !Better(whole, best))) continue;
-      best = whole;
-      chosen.clear();
-      for (const auto& one : served) chosen.push_back(*one);
+      if (!all || (!best.passes.empty() && !by.Better(whole, best.whole))) continue;
+      best = {whole, {}};
+      for (const auto& one : served) best.passes.push_back(*one);
     }
-    if (chosen.empty()) {
+    return best;
+  }
+
+  void CompareJob(FixedComparison& comparison) {
+    const Criterion by{options_.worst_first};
+    const std::vector<Ranked> bounds = JobBounds(by);
+    size_t in_the_way = kNone;  // the pass that the last rotation failed at
+    const BestOfJob best = BestForJob(bounds, by, in_the_way);
+    if (best.passes.empty()) {
       comparison.job_in_the_way = bounds.empty() ? WhyNoneServes() : WhyNoneIsFree(bounds, in_the_way);
       return;
     }
-    comparison.rotation = passes_.front().table.Rotation(best.rotation);
-    for (size_t i = 0; i < chosen.size(); ++i) AddFigures(passes_[i], chosen[i], comparison.job);
+    const auto chosen = [&](const BestOfJob& of) {
+      FixedChoice choice = FiguresOf(of.passes);
+      choice.rotations = {passes_.front().table.Rotation(of.whole.rotation)};
+      return choice;
+    };
+    comparison.job = chosen(best);
+    const Criterion worst{true};
+    const double least =
+        options_.worst_first ? best.whole.worst : BestForJob(JobBounds(worst), worst, in_the_way).whole.worst;
+    const Criterion near{false, (1 + kNearBest) * least};
+    comparison.job_by_sum = chosen(BestForJob(JobBounds(near), near, in_the_way));
   }
 
   /// The best free rotation and branch of a pass.
-  std::optional<Ranked> BestOf(OfPass& pass) {
+  static std::optional<Ranked> BestOf(OfPass& pass, const Criterion& by) {
     std::vector<Ranked> all;
     for (size_t r = 0; r < pass.table.rotations; ++r)
-      std::ranges::copy(Branches(pass, r), std::back_inserter(all));
-    std::stable_sort(all.begin(), all.end(), [&](const Ranked& a, const Ranked& b) { return Better(a, b); });
+      std::ranges::copy(Branches(pass, r, by), std::back_inserter(all));
+    by.Sort(all);
     for (const Ranked& ranked : all)
       if (Free(pass, ranked)) return ranked;
     return std::nullopt;
@@ -165,12 +205,17 @@ class Comparer {
   /// Passes after one that has none do not matter. In batches, so that what is looked at, which is kept with
   /// the result, is the same for any number of threads.
   void ComparePasses(FixedComparison& comparison) {
-    std::vector<std::optional<Ranked>> best(passes_.size());
+    std::vector<std::optional<Ranked>> best(passes_.size()), by_sum(passes_.size());
     size_t done = 0;
     for (size_t batch = 1; done < best.size(); batch *= 2) {
       const size_t size = std::min(batch, best.size() - done);
-      ParallelFor(size, options_.threads, options_.stop,
-                  [&](size_t i) { best[done + i] = BestOf(passes_[done + i]); });
+      ParallelFor(size, options_.threads, options_.stop, [&](size_t i) {
+        OfPass& pass = passes_[done + i];
+        best[done + i] = BestOf(pass, {options_.worst_first});
+        if (!best[done + i]) return;
+        const double least = options_.worst_first ? best[done + i]->worst : BestOf(pass, {true})->worst;
+        by_sum[done + i] = BestOf(pass, {false, (1 + kNearBest) * least});
+      });
       for (const size_t end = done + size; done < end; ++done) {
         if (best[done]) continue;
         comparison.passes_in_the_way =
@@ -179,7 +224,13 @@ class Comparer {
         return;
       }
     }
-    for (size_t i = 0; i < best.size(); ++i) AddFigures(passes_[i], *best[i], comparison.passes);
+    const auto chosen = [&](const std::vector<std::optional<Ranked>>& of) {
+      std::vector<Ranked> all;
+      for (const auto& one : of) all.push_back(*one);
+      return FiguresOf(all);
+    };
+    comparison.passes = chosen(best);
+    comparison.passes_by_sum = chosen(by_sum);
   }
 
   /// The rotation that leaves fewest points without a pose, and these.
@@ -226,21 +277,57 @@ class Comparer {
     return {objective, std::abs((R_BW * planned.point.normal).dot(moved)), moved.norm()};
   }
 
-  void AddFigures(const OfPass& pass, const Ranked& ranked, std::vector<PointFigures>& figures) const {
+  /// What a rotation and branch for each pass give.
+  FixedChoice FiguresOf(const std::vector<Ranked>& chosen) const {
+    std::vector<FixedChoice> of_pass(passes_.size());
+    ParallelFor(passes_.size(), options_.threads, options_.stop, [&](size_t i) {
+      of_pass[i] = {{}, {passes_[i].table.Rotation(chosen[i].rotation)}, {}};
+      AddFigures(passes_[i], chosen[i], of_pass[i]);
+    });
+    FixedChoice all;
+    for (const FixedChoice& one : of_pass) {
+      std::ranges::copy(one.points, std::back_inserter(all.points));
+      std::ranges::copy(one.rotations, std::back_inserter(all.rotations));
+      all.gears.Add(one.gears);
+    }
+    return all;
+  }
+
+  void AddFigures(const OfPass& pass, const Ranked& ranked, FixedChoice& choice) const {
     const PlannedIn in = In(pass);
-    for (size_t t = 0; t < pass.pass->points.size(); ++t) {
+    std::vector<Joints> q(pass.pass->points.size());
+    for (size_t t = 0; t < q.size(); ++t) {
       const PlannedPoint& planned = pass.pass->points[t];
-      if (!compared_(planned)) continue;
+      if (planned.skip != Infeasibility::kNone) continue;
       const PoseProblem& problem = in.At(t).problem;
       const Candidate candidate = PointScorer(problem, planned.point, pass.pass->rotation_reference)
                                       .ScoreOne({pass.table.Rotation(ranked.rotation)}, ranked.branch);
-      figures.push_back(FiguresAt(problem, planned, candidate.q, candidate.objective));
+      q[t] = candidate.q;
+      if (compared_(planned))
+        choice.points.push_back(FiguresAt(problem, planned, candidate.q, candidate.objective));
     }
+    choice.gears = GearsWith(pass, in, q);
+  }
+
+  /// What the gears do with these joint angles (each up to full revolutions) at the points of a pass.
+  GearTally GearsWith(const OfPass& pass, const PlannedIn& in, const std::vector<Joints>& q) const {
+    const PoseProblem& problem = stations_.problem();
+    const Mechanism mechanism(stations_.world().cell().external_axes);
+    GearCourse course;
+    FollowPass(
+        options_.gears, {problem.arm, problem.X_FT, mechanism}, *pass.pass,
+        [&](size_t t) {
+          return PosedPoint{&pass.pass->points[t].point, q[t], in.At(t).problem.X_WB,
+                            ExternalAt(*pass.pass, t)};
+        },
+        face_, course);
+    return TallyOf(course, options_.gears, mechanism.axes());
   }
 
   const FixedRotationOptions& options_;
   const Stations& stations_;
   PointFilter compared_;
+  FaceFilter face_;
   std::vector<OfPass> passes_;
 };
 

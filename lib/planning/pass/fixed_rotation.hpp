@@ -4,12 +4,12 @@
 
 #include <stop_token>
 
-#include "planning/links/retract.hpp"
+#include "planning/external/stations.hpp"
 #include "planning/ladder/step_bound.hpp"
+#include "planning/links/retract.hpp"
+#include "planning/pose/scorer.hpp"
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
-#include "planning/pose/scorer.hpp"
-#include "planning/external/stations.hpp"
 
 namespace millpose {
 
@@ -19,6 +19,8 @@ struct FixedRotationOptions {
   StepBounds steps;             ///< of the joints between neighbouring points
   double swept_resolution = 0;  ///< mm
   bool worst_first = false;     ///< the least worst value wins; else the least sum
+  GearModel gears = {};         ///< with which reversals are counted
+  int finished_from = 0;        ///< in passes from this one on, which leave the face
   int threads = 1;
   std::stop_token stop;
   RetractOptions leave;  ///< of the ends of pieces, with the share of the clearances that the plan has there

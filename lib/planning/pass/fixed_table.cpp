@@ -33,9 +33,9 @@ class TableMaker {
     MillingPoint first, last;  // of the piece
     for (size_t t = 0; t < pass.points.size(); ++t) {
       const PlannedPoint& planned = pass.points[t];
-      if (planned.skip != Obstacle::kNone) continue;
+      if (planned.skip != Infeasibility::kNone) continue;
       const bool starts = planned.piece != piece;
-      if (starts && piece >= 0) EndPiece(closed, last, first);
+      if (starts && piece >= 0) EndSegment(closed, last, first);
       MillingPoint point = in.StepPoint(t);
       if (starts) first = last = point;
       most_ = StepBound(options_.steps, problem_.arm, last, point);
@@ -44,7 +44,7 @@ class TableMaker {
       closed = pass.pieces[static_cast<size_t>(piece)].closed;
       Add(PointScorer(in.At(t).problem, planned.point, pass.rotation_reference), starts, counts(planned));
     }
-    if (piece >= 0) EndPiece(closed, last, first);
+    if (piece >= 0) EndSegment(closed, last, first);
     return std::move(table_);
   }
 
@@ -58,7 +58,7 @@ class TableMaker {
       scorer.ScoreBlock(ValuesOfBlock(table_, r, problem_.freedoms.size()), serving, block);
       for (size_t l = 0; l < kLanes && r + l < table_.rotations; ++l) {
         for (int branch = 0; branch < 8; ++branch) {
-          const bool admissible = block.obstacle[branch][l] == Obstacle::kNone;
+          const bool admissible = block.obstacle[branch][l] == Infeasibility::kNone;
           FixedTable::Entry& entry = table_.entries[8 * (r + l) + static_cast<size_t>(branch)];
           entry.serves = entry.serves && admissible &&
                          Step(courses_[8 * (r + l) + static_cast<size_t>(branch)],
@@ -95,7 +95,7 @@ class TableMaker {
   }
 
   /// Full revolutions must bring the whole piece within the limits, and a closed one must close.
-  void EndPiece(bool closed, const MillingPoint& last, const MillingPoint& first) {
+  void EndSegment(bool closed, const MillingPoint& last, const MillingPoint& first) {
     most_ = StepBound(options_.steps, problem_.arm, last, first);
     for (size_t k = 0; k < courses_.size(); ++k) {
       FixedTable::Entry& entry = table_.entries[k];

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "planning/ladder/step_bound.hpp"
-#include "planning/result/compared.hpp"
-#include "planning/pose/scorer.hpp"
 #include "planning/external/places_along.hpp"
+#include "planning/ladder/step_bound.hpp"
+#include "planning/pose/scorer.hpp"
+#include "planning/result/compared.hpp"
 
 namespace millpose {
 

@@ -12,7 +12,7 @@ struct FreeOptimum {
   double objective = 0;
   FreedomValues freedoms;
   int branch = 0;
-  std::optional<Sighting> barred;  ///< what the point's own optimum meets; empty when that is free
+  std::optional<ContactCandidate> barred;  ///< what the point's own optimum meets; empty when that is free
 };
 
 /// Of every layer that `sequence`, a free one, takes a node of: the point's own optimum (`optima`, one per

@@ -4,10 +4,10 @@
 #include <limits>
 
 #include "base/units.hpp"
+#include "machine/robot/angles.hpp"
 #include "planning/pass/bend_law.hpp"
 #include "planning/pass/lean_courses.hpp"
 #include "planning/pose/score_along.hpp"
-#include "machine/robot/angles.hpp"
 
 namespace millpose {
 namespace {
@@ -22,7 +22,7 @@ constexpr size_t kFollow = 40;                 // points to either side that are
 class FreeSmoother {
  public:
   FreeSmoother(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
-               SmoothOptions options, PieceChecker& checker, std::span<PathNode> path)
+               SmoothOptions options, SegmentChecker& checker, std::span<PathNode> path)
       : scorers_(scorers),
         points_(points),
         options_(std::move(options)),
@@ -46,7 +46,7 @@ class FreeSmoother {
     std::vector<PathNode> best = origin_;
     double least = options_.before.square;
     std::vector<FreedomRange> moving = ranges_;
-    PieceHits hits;
+    SegmentHits hits;
     bool whole = true;  // all points moved at once
     for (int round = 0; round < kRounds; ++round) {
       const Smoothed smoothed = SmoothPath(scorers_, points_, moving, options_, path_);
@@ -124,10 +124,10 @@ class FreeSmoother {
   }
 
   /// Interference, steps beyond the bound and a ring whose end leaves the limits.
-  PieceHits Check() {
+  SegmentHits Check() {
     std::vector<bool> known(path_.size());
     for (size_t i = 0; i < path_.size(); ++i) known[i] = !doubtful_[i] && path_[i].q == looked_at_[i];
-    PieceHits hits = checker_.Check(path_, options_.closed, ends_, known);
+    SegmentHits hits = checker_.Check(path_, options_.closed, ends_, known);
     hits.pose[0] |= !EndsWithin(path_[0].q);
     for (size_t i = 0; i < path_.size(); ++i) {
       if (options_.closed || i + 1 < path_.size())
@@ -171,7 +171,7 @@ class FreeSmoother {
   }
   /// The same, `candidate` being what it is there.
   std::optional<PathNode> Stood(size_t i, double x, const Candidate& candidate) const {
-    if (candidate.obstacle != Obstacle::kNone) return std::nullopt;
+    if (candidate.obstacle != Infeasibility::kNone) return std::nullopt;
     PathNode node = origin_[i];
     node.freedoms[options_.freedom] = x;
     node.q = NearestEquivalent(node.q, candidate.q);
@@ -225,7 +225,7 @@ class FreeSmoother {
   }
 
   /// Ends the ranges of the points beside what interferes where they are not free.
-  void Bound(const PieceHits& hits) {
+  void Bound(const SegmentHits& hits) {
     const size_t count = path_.size();
     const std::vector<bool> beside = Widened(hits.Points(), kFollow, options_.closed);
     std::vector<double> reach(count);
@@ -276,7 +276,7 @@ class FreeSmoother {
   }
 
   /// What interferes goes back to where it was, with `reach` points to either side.
-  void GoBack(PieceHits& hits, size_t reach) {
+  void GoBack(SegmentHits& hits, size_t reach) {
     const std::vector<bool> back = Widened(hits.Points(), reach, options_.closed);
     for (size_t i = 0; i < path_.size(); ++i) {
       if (back[i]) path_[i] = origin_[i];
@@ -287,7 +287,7 @@ class FreeSmoother {
   std::span<const PointScorer> scorers_;
   std::span<const MillingPoint> points_;
   SmoothOptions options_;
-  PieceChecker& checker_;
+  SegmentChecker& checker_;
   std::span<PathNode> path_;
   BendLaw law_;
   std::vector<PathNode> origin_;  ///< free
@@ -302,7 +302,7 @@ class FreeSmoother {
 }  // namespace
 
 void SmoothFree(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
-                SmoothOptions options, PieceChecker& checker, std::span<PathNode> path) {
+                SmoothOptions options, SegmentChecker& checker, std::span<PathNode> path) {
   if (path.size() < 3 || options.loss <= 0) return;
   FreeSmoother(scorers, points, std::move(options), checker, path).Run();
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "planning/pass/piece_check.hpp"
+#include "planning/pass/segment_check.hpp"
 #include "planning/smoothing/smoothing.hpp"
 
 namespace millpose {
@@ -12,6 +12,6 @@ namespace millpose {
 /// beside it. Ranges only shrink and always hold the path as it was. Leaves the path alone where it does not
 /// become smoother.
 void SmoothFree(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
-                SmoothOptions options, PieceChecker& checker, std::span<PathNode> path);
+                SmoothOptions options, SegmentChecker& checker, std::span<PathNode> path);
 
 }  // namespace millpose

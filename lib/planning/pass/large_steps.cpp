@@ -12,10 +12,10 @@ constexpr double kUsedUp = 0.7;  // share of a bound: the search knows steps on 
 bool IsLarge(const Carrier& carrier, const PlannedPoint& from, const PlannedPoint& to,
              const PathOptions& options) {
   const auto barred = [](const PlannedPoint& point) {
-    return point.skip != Obstacle::kNone && point.skip != Obstacle::kStep;
+    return point.skip != Infeasibility::kNone && point.skip != Infeasibility::kStep;
   };
   if (barred(from) || barred(to)) return false;
-  if (from.skip == Obstacle::kStep || to.skip == Obstacle::kStep) return true;
+  if (from.skip == Infeasibility::kStep || to.skip == Infeasibility::kStep) return true;
   if (from.piece != to.piece) return std::isfinite(options.steps.most.minCoeff());
   const Joints step = (to.q - from.q).unaryExpr(&WrapToPi);
   if ((step.cwiseAbs().array() > kUsedUp * options.steps.most.array()).any()) return true;

@@ -99,7 +99,7 @@ std::vector<NodeSeed> LeaningSeeds(const PassContext& context, size_t t, std::sp
   std::vector<Candidate> candidates(8 * settings.size());
   scorer.Score(settings, candidates);
   for (size_t k = 0; k < candidates.size(); ++k)
-    if (candidates[k].obstacle == Obstacle::kNone)
+    if (candidates[k].obstacle == Infeasibility::kNone)
       seeds.push_back({settings[k / 8], candidates[k], static_cast<int>(k % 8), false, 0});
   return seeds;
 }

@@ -5,8 +5,8 @@
 
 #include "base/trig.hpp"
 #include "base/units.hpp"
-#include "planning/pass/collision_pruner.hpp"
 #include "planning/ladder/worst_then_sum.hpp"
+#include "planning/pass/collision_pruner.hpp"
 #include "planning/pass/ring_opening.hpp"
 
 namespace millpose {

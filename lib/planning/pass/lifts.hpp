@@ -4,7 +4,7 @@
 
 #include "planning/ladder/lifted_search.hpp"
 #include "planning/pass/overlap.hpp"
-#include "planning/pass/piece_planner.hpp"
+#include "planning/pass/segment_planner.hpp"
 
 namespace millpose {
 

@@ -8,7 +8,7 @@ namespace millpose {
 PassResult AtNominalLean(const PoseProblem& problem, PassResult plan) {
   if (!HasLean(problem)) return plan;
   for (PlannedPoint& planned : plan.points)
-    if (planned.skip == Obstacle::kNone) planned.point = AtNominalLean(problem, planned.point);
+    if (planned.skip == Infeasibility::kNone) planned.point = AtNominalLean(problem, planned.point);
   return plan;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "planning/result/plan_result.hpp"
 #include "planning/pose/scorer.hpp"
+#include "planning/result/plan_result.hpp"
 
 namespace millpose {
 

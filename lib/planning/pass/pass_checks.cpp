@@ -15,7 +15,7 @@ Checker& PassCheckers::At(size_t t) {
   return own_.try_emplace(t, checks_.WorldAt(t)).first->second;
 }
 
-RidingChecker& PassCheckers::Riding() {
+CoordinatedChecker& PassCheckers::Coordinated() {
   if (!riding_) riding_.emplace(checks_.world);
   return *riding_;
 }
@@ -31,7 +31,7 @@ CheckCounts PassCheckers::counts() const {
 std::optional<CutProblem> CheckCut(PassCheckers& checkers, const PassChecks& checks, size_t t,
                                    const Joints& q0, const Joints& q1) {
   const Carrier& carrier = checks.CarrierFrom(t);
-  if (carrier.ride) return CheckCut(checkers.Riding(), carrier, q0, q1, checks.swept_resolution);
+  if (carrier.ride) return CheckCut(checkers.Coordinated(), carrier, q0, q1, checks.swept_resolution);
   return CheckCut(checkers.At(t), carrier, q0, q1, checks.swept_resolution);
 }
 

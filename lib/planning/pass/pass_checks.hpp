@@ -5,9 +5,9 @@
 #include <map>
 #include <stop_token>
 
+#include "planning/external/places_along.hpp"
 #include "planning/pass/cut_check.hpp"
 #include "planning/pass/lean_gouges.hpp"
-#include "planning/external/places_along.hpp"
 
 namespace millpose {
 
@@ -34,14 +34,14 @@ class PassCheckers {
   explicit PassCheckers(const PassChecks& checks);
   Checker& At(size_t t);
   /// Only where external axes move.
-  RidingChecker& Riding();
+  CoordinatedChecker& Coordinated();
   CheckCounts counts() const;
 
  private:
   const PassChecks& checks_;
   std::optional<Checker> one_;
   std::map<size_t, Checker> own_;
-  std::optional<RidingChecker> riding_;
+  std::optional<CoordinatedChecker> riding_;
 };
 
 /// CheckCut of the motion from point t of the pass at q0 to the next at q1, along which external axes may

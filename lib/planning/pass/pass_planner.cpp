@@ -5,24 +5,24 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "planning/pass/describe_point.hpp"
 #include "planning/pass/lifts.hpp"
 #include "planning/pass/ring_opening.hpp"
 #include "planning/pass/split_planner.hpp"
+#include "planning/pose/evaluator.hpp"
+#include "planning/pose/lean_problem.hpp"
 #include "planning/result/continuity.hpp"
 #include "planning/result/point_clearance.hpp"
 #include "planning/result/verdict_map.hpp"
-#include "planning/pose/evaluator.hpp"
-#include "planning/pose/lean_problem.hpp"
-#include "machine/stiffness/pose_stiffness.hpp"
 
 namespace millpose {
 namespace {
 
-std::string DetailOf(Obstacle obstacle) {
+std::string DetailOf(Infeasibility obstacle) {
   switch (obstacle) {
-    case Obstacle::kLimit:
+    case Infeasibility::kLimit:
       return "every reachable pose violates a joint limit minus the margin";
-    case Obstacle::kSingular:
+    case Infeasibility::kSingular:
       return "every pose within the limits is too near a singularity or below the least dexterity";
     default:
       return "the arm reaches the point in no rotation about the tool axis";
@@ -66,27 +66,6 @@ void TellFreeOptimum(const PassContext& context, const PassPlan& plan, size_t t,
   point.own_branch = point.free_branch;
 }
 
-/// What a planned point says about itself.
-void Describe(const PoseProblem& problem, const PathNode& node, PlannedPoint& point) {
-  point.freedoms = node.freedoms;
-  if (HasLean(problem)) point.point = AtLean(problem, point.point, node.freedoms);
-  for (size_t d = 0; d < point.freedoms.size(); ++d)
-    point.freedoms[d] = Confine(*problem.freedoms[d], point.freedoms[d]);
-  point.branch = node.branch;
-  point.q = node.q;
-  point.objective = node.objective;
-  point.from_genetic = node.genetic;
-  const Eigen::Vector3d tip = problem.X_FT.translation();
-  const Eigen::Vector3d origin = problem.origin == StiffnessOrigin::kToolTip ? tip : Eigen::Vector3d::Zero();
-  const Eigen::Vector3d normal = problem.X_WB.linear().transpose() * point.point.normal;
-  const PoseStiffness stiffness =
-      EvaluatePose(problem.arm, node.q, origin, normal, problem.characteristic_length, problem.compliances);
-  if (stiffness.indices) point.indices = *stiffness.indices;
-  point.lambda_3 = stiffness.lambda[2];
-  point.lambda_3_direction = problem.X_WB.linear() * stiffness.directions.col(2);
-  point.dexterity = Dexterity(Jacobian(problem.arm, node.q, tip), problem.characteristic_length);
-}
-
 constexpr const char* kAlone = "is alone between skipped points; a single point is no cut";
 
 /// Whether the points beside one are skipped for what is in their own way.
@@ -115,24 +94,24 @@ double NominalGouge(const PassContext& context, size_t t) {
 void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoint& point) {
   const PointOptimum& optimum = context.optima[t];
   if (context.points[t].gouge > 0) {
-    point.skip = Obstacle::kGouge;
+    point.skip = Infeasibility::kGouge;
     point.detail = fmt::format("the cutter would go {:.3f} mm into the part", point.point.gouge);
   } else if (!optimum.found && !context.genetic[t].found) {
-    assert(optimum.reason != Obstacle::kNone);
+    assert(optimum.reason != Infeasibility::kNone);
     point.skip = optimum.reason;
     point.detail = DetailOf(optimum.reason);
   } else if (!plan.access[t].empty()) {
-    point.skip = Obstacle::kAccess;
+    point.skip = Infeasibility::kAccess;
     point.detail = plan.access[t];
   } else if (plan.interference[t].empty()) {
-    point.skip = Obstacle::kStep;
+    point.skip = Infeasibility::kStep;
     point.detail = StandsAlone(context, plan, t) ? kAlone : WhyNoStep(context.options.steps);
   } else if (const double depth = NominalGouge(context, t); depth > 0) {
-    point.skip = Obstacle::kGouge;
+    point.skip = Infeasibility::kGouge;
     point.detail = fmt::format(
         "the cutter would go {:.3f} mm into the part at the nominal lean, and no other is free", depth);
   } else {
-    point.skip = Obstacle::kInterference;
+    point.skip = Infeasibility::kInterference;
     point.detail = plan.interference[t];
   }
 }
@@ -170,7 +149,7 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
   result.lift_gain = planned.lift_gain;
   result.stripe = plan.stripe;
   result.pieces = plan.pieces;
-  for (Piece& piece : result.pieces) piece.pass = pass_number;
+  for (Segment& piece : result.pieces) piece.pass = pass_number;
   result.points.resize(count);
   PairNumbers pairs;
   for (size_t t = 0; t < count; ++t) {
@@ -193,10 +172,10 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
       Skip(context, plan, t, point);
     } else {
       point.piece = plan.piece[t];
-      Describe(context.ProblemAt(t), plan.nodes[t], point);
+      DescribePoint(context.ProblemAt(t), plan.nodes[t], point);
       point.unsmoothed = plan.unsmoothed[t].objective;
       TellFreeOptimum(context, plan, t, point);
-      const std::optional<Sighting>& barred = plan.free[t].barred;
+      const std::optional<ContactCandidate>& barred = plan.free[t].barred;
       if (barred) point.barred = NumberOf(context.world, barred->pair, pairs, result);
     }
   }
@@ -235,7 +214,7 @@ std::shared_ptr<SplitPoints> Begin(PassContext given, const Pass& pass, size_t f
 
 }  // namespace
 
-PassResult PlanPass(const RidingPass& riding, const PassToPlan& wanted, const PathOptions& options,
+PassResult PlanPass(const CoordinatedPass& riding, const PassToPlan& wanted, const PathOptions& options,
                     const Execution& execution) {
   const auto& [pass, number, first_point] = wanted;
   assert(!pass.closed && riding.external.size() == pass.points.size());

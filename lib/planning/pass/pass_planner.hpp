@@ -3,12 +3,12 @@
 
 #include "base/execution.hpp"
 #include "base/units.hpp"
-#include "planning/links/retract.hpp"
+#include "planning/external/stations.hpp"
 #include "planning/ladder/lifted_search.hpp"
 #include "planning/ladder/step_bound.hpp"
-#include "planning/result/plan_result.hpp"
+#include "planning/links/retract.hpp"
 #include "planning/pose/paper_formulation.hpp"
-#include "planning/external/stations.hpp"
+#include "planning/result/plan_result.hpp"
 #include "toolpath/pass_ends.hpp"
 
 namespace millpose {
@@ -39,7 +39,7 @@ struct PathOptions {
 };
 
 /// A pass along which external axes move, open, each point in W with them at its entry of `external`.
-struct RidingPass {
+struct CoordinatedPass {
   const Stations& stations;
   const std::vector<ExternalPosition>& external;  ///< of each point of the pass
 };
@@ -61,7 +61,7 @@ PassResult PlanPass(const PoseProblem& problem, const World& world, const PassTo
 
 /// The same where external axes move along the pass (docs/external-axes.md). Without lifts that pay; no
 /// freedom leans the tool.
-PassResult PlanPass(const RidingPass& riding, const PassToPlan& pass, const PathOptions& options,
+PassResult PlanPass(const CoordinatedPass& riding, const PassToPlan& pass, const PathOptions& options,
                     const Execution& execution);
 
 }  // namespace millpose

@@ -13,7 +13,7 @@ void Put(const Joints& q, size_t at, Bits& bits) {
 
 }  // namespace
 
-const std::optional<Sighting>& PointVerdicts::OfPose(Checker& checker, const Joints& q) {
+const std::optional<ContactCandidate>& PointVerdicts::OfPose(Checker& checker, const Joints& q) {
   Bits<6> bits;
   Put(q, 0, bits);
   const auto [known, unknown] = poses_.try_emplace(bits);
@@ -21,8 +21,9 @@ const std::optional<Sighting>& PointVerdicts::OfPose(Checker& checker, const Joi
   return known->second;
 }
 
-const std::optional<Sighting>& PointVerdicts::OfCandidate(Checker& checker, const FreedomValues& freedoms,
-                                                          const Joints& q, const PassChecks& checks) {
+const std::optional<ContactCandidate>& PointVerdicts::OfCandidate(Checker& checker,
+                                                                  const FreedomValues& freedoms,
+                                                                  const Joints& q, const PassChecks& checks) {
   if (!checks.rotates_first) return OfPose(checker, q);
   Bits<6> bits;
   Put(q, 0, bits);

@@ -18,10 +18,10 @@ namespace millpose {
 class PointVerdicts {
  public:
   /// The first pair that interferes at joint angles q.
-  const std::optional<Sighting>& OfPose(Checker& checker, const Joints& q);
+  const std::optional<ContactCandidate>& OfPose(Checker& checker, const Joints& q);
   /// The same of the pose with these freedoms, by what poses of the point share (PointMemory).
-  const std::optional<Sighting>& OfCandidate(Checker& checker, const FreedomValues& freedoms, const Joints& q,
-                                             const PassChecks& checks);
+  const std::optional<ContactCandidate>& OfCandidate(Checker& checker, const FreedomValues& freedoms,
+                                                     const Joints& q, const PassChecks& checks);
   /// What is in the way of the straight motion from q0 at this point, `t` of the pass, to q1 at the next
   /// (CheckCut).
   const std::optional<CutProblem>& OfMotion(PassCheckers& checkers, size_t t, const Joints& q0,
@@ -47,7 +47,7 @@ class PointVerdicts {
   };
 
   PointMemory shared_;
-  std::unordered_map<Bits<6>, std::optional<Sighting>, Hash> poses_;
+  std::unordered_map<Bits<6>, std::optional<ContactCandidate>, Hash> poses_;
   std::unordered_map<Bits<12>, std::optional<CutProblem>, Hash> motions_;
 };
 

@@ -18,7 +18,7 @@ constexpr double kMostCombinations = 256;
 /// A piece as the search over turns sees it: the course of its joints, made continuous.
 struct Course {
   PassResult* pass = nullptr;
-  const Piece* piece = nullptr;
+  const Segment* piece = nullptr;
   std::vector<Joints> joints;  ///< of its points; for a closed piece the first again at the end
   bool reversible = false;
 };
@@ -26,7 +26,7 @@ struct Course {
 std::vector<Course> Courses(std::vector<PassResult>& passes, bool free_directions) {
   std::vector<Course> courses;
   for (PassResult& pass : passes) {
-    for (const Piece& piece : pass.pieces) {
+    for (const Segment& piece : pass.pieces) {
       Course course{&pass, &piece, {}, free_directions && pass.pieces.size() == 1};
       for (int i = piece.first; i <= piece.last; ++i) {
         const Joints& q = pass.points[i].q;
@@ -164,7 +164,7 @@ std::vector<State> Choose(const std::vector<Course>& courses, const TurnOptions&
 
 /// Turns a pass round that is one piece; `joints` as the course has them, already shifted.
 void Reverse(PassResult& pass, const std::vector<Joints>& joints) {
-  Piece& piece = pass.pieces.front();
+  Segment& piece = pass.pieces.front();
   std::vector<PlannedPoint>& points = pass.points;
   const int count = static_cast<int>(points.size());
   double length = points.back().point.arc_length;
@@ -181,7 +181,7 @@ void Reverse(PassResult& pass, const std::vector<Joints>& joints) {
   }
   if (points.front().external) pass.external = *points.front().external;
   for (PlannedPoint& planned : points) {
-    TurnRound(length, planned.point);
+    ReversePass(length, planned.point);
     if (piece.closed && &planned == &points.front()) planned.point.arc_length = 0;
   }
 }

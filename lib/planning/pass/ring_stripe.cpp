@@ -32,12 +32,12 @@ Run LongestRun(const Layer& layer, size_t lane) {
 }
 
 /// The pair of bodies that was met at most points, and at how many.
-std::pair<std::optional<Sighting>, size_t> CommonPair(const CandidateGraph& graph) {
-  std::map<int, std::pair<Sighting, size_t>> met;
+std::pair<std::optional<ContactCandidate>, size_t> CommonPair(const CandidateGraph& graph) {
+  std::map<int, std::pair<ContactCandidate, size_t>> met;
   for (size_t t = 0; t < graph.size(); ++t)
-    if (const std::optional<Sighting> sighting = graph.LastSighting(t))
+    if (const std::optional<ContactCandidate> sighting = graph.LastContactCandidate(t))
       ++met.try_emplace(sighting->pair, *sighting, 0).first->second.second;
-  std::pair<std::optional<Sighting>, size_t> most{std::nullopt, 0};
+  std::pair<std::optional<ContactCandidate>, size_t> most{std::nullopt, 0};
   for (const auto& [pair, of] : met)
     if (of.second > most.second) most = {of.first, of.second};
   return most;

@@ -2,7 +2,7 @@
 // Why a closed ring costs much: a stripe of interference that it cannot cross.
 #pragma once
 
-#include "planning/pass/piece_planner.hpp"
+#include "planning/pass/segment_planner.hpp"
 
 namespace millpose {
 

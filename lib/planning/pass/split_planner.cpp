@@ -19,8 +19,8 @@ constexpr int kRounds = 40;                           // then what still fails s
 /// Full revolutions hardly ever matter, so first every node stands for all of its own; where the joints then
 /// wind out of their limits, each turn becomes a node.
 PassPlan PlanTurned(const PassContext& context) {
-  std::optional<PassPlan> plan = PlanPieces(context, false);
-  if (!plan) plan = PlanPieces(context, true);
+  std::optional<PassPlan> plan = PlanSegments(context, false);
+  if (!plan) plan = PlanSegments(context, true);
   return std::move(*plan);
 }
 
@@ -48,7 +48,7 @@ class SplitPlanner {
     TryLifts(planned);
     // Once: what is tried and given up stays rough.
     LookBack(*planned.points->context, planned.plan);
-    SmoothPieces(*planned.points->context, planned.plan);
+    SmoothSegments(*planned.points->context, planned.plan);
     const std::vector<SplitPoint>& points = planned.points->points;
     for (const Tried& tried : splits_) {
       if (tried.split.overlap.by != OverlapChoice::By::kNone) continue;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Between PlanPass and PlanPieces: passes that have to be split are planned again with parts that overlap.
+// Between PlanPass and PlanSegments: passes that have to be split are planned again with parts that overlap.
 #pragma once
 
 #include "planning/pass/overlap.hpp"
-#include "planning/pass/piece_planner.hpp"
+#include "planning/pass/segment_planner.hpp"
 
 namespace millpose {
 

@@ -99,8 +99,8 @@ CandidateTable::CandidateTable(const PointScorer& scorer, std::vector<std::vecto
     scorer.ScoreBlock(values, kAllArmBranches, block);
     for (size_t lane = 0; lane < kLanes && first + lane < settings_; ++lane) {
       for (int branch = 0; branch < 8; ++branch) {
-        const Obstacle obstacle = block.obstacle[branch][lane];
-        if (obstacle != Obstacle::kNone) {
+        const Infeasibility obstacle = block.obstacle[branch][lane];
+        if (obstacle != Infeasibility::kNone) {
           reason_ = std::max(reason_, obstacle);
           continue;
         }
@@ -111,7 +111,7 @@ CandidateTable::CandidateTable(const PointScorer& scorer, std::vector<std::vecto
     }
   }
   if (lines > 1) std::ranges::stable_sort(entries_, {}, [](const Entry& entry) { return entry.setting; });
-  if (!entries_.empty()) reason_ = Obstacle::kNone;
+  if (!entries_.empty()) reason_ = Infeasibility::kNone;
 }
 
 FreedomValues CandidateTable::Setting(size_t index) const {

@@ -32,7 +32,7 @@ class CandidateTable {
   /// Ascending by setting, then by branch.
   const std::vector<Entry>& entries() const { return entries_; }
   /// The furthest that any candidate came; what says why there are no entries.
-  Obstacle reason() const { return reason_; }
+  Infeasibility reason() const { return reason_; }
 
   size_t settings() const { return settings_; }
   /// Ascending by the first freedom, then by the second, and so on.
@@ -52,7 +52,7 @@ class CandidateTable {
   double first_step_;
   size_t settings_ = 1;
   std::vector<Entry> entries_;
-  Obstacle reason_ = Obstacle::kUnreachable;
+  Infeasibility reason_ = Infeasibility::kUnreachable;
 };
 
 }  // namespace millpose

@@ -56,7 +56,7 @@ void Climb(std::vector<Climber>& climbers, Evaluator& evaluator, int max_evaluat
         [&](size_t k) { return running[k]->branch() & 3; },
         [&](size_t k, const ScoredBlock& block, int lane) {
           const int branch = running[k]->branch();
-          const bool admissible = block.obstacle[branch][lane] == Obstacle::kNone;
+          const bool admissible = block.obstacle[branch][lane] == Infeasibility::kNone;
           running[k]->Tell(admissible ? block.objective[branch].v[lane] : kInfinity);
         });
   }
@@ -66,7 +66,7 @@ std::vector<Individual> Niches(const PoseProblem& problem, std::vector<Individua
   std::stable_sort(archive.begin(), archive.end(), Fitter);
   std::vector<Individual> niches;
   for (const Individual& individual : archive) {
-    if (niches.size() == count || individual.obstacle != Obstacle::kNone) break;
+    if (niches.size() == count || individual.obstacle != Infeasibility::kNone) break;
     const auto near = [&](const Individual& other) {
       if (other.branch != individual.branch) return false;
       for (size_t d = 0; d < individual.freedoms.size(); ++d) {

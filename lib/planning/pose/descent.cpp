@@ -98,8 +98,9 @@ class Descent {
   bool Left() const { return most_ - best_.evaluations >= kLanes; }
 
   double Value(size_t lane) const {
-    return block_.obstacle[best_.branch][lane] == Obstacle::kNone ? block_.objective[best_.branch].v[lane]
-                                                                  : kInfinity;
+    return block_.obstacle[best_.branch][lane] == Infeasibility::kNone
+               ? block_.objective[best_.branch].v[lane]
+               : kInfinity;
   }
 
   /// The least of the block's lanes, which the optimum takes note of; empty where none is admissible.
@@ -199,7 +200,7 @@ using Entry = CandidateTable::Entry;
 PointOptimum OptimumOf(const CandidateTable& table, const Entry& entry) {
   PointOptimum at;
   at.found = true;
-  at.reason = Obstacle::kNone;
+  at.reason = Infeasibility::kNone;
   at.freedoms = table.Setting(entry.setting);
   at.branch = entry.branch;
   at.q = entry.q;

@@ -9,15 +9,15 @@ bool Fitter(const Individual& a, const Individual& b) {
 }
 
 void Evaluator::Consider(int branch, int lane, const FreedomValues& freedoms) {
-  const Obstacle obstacle = block_.obstacle[branch][lane];
-  if (obstacle != Obstacle::kNone) {
+  const Infeasibility obstacle = block_.obstacle[branch][lane];
+  if (obstacle != Infeasibility::kNone) {
     if (!best_.found && obstacle > best_.reason) best_.reason = obstacle;
     return;
   }
   const double value = block_.objective[branch].v[lane];
   if (best_.found && value >= best_.objective) return;
   best_.found = true;
-  best_.reason = Obstacle::kNone;
+  best_.reason = Infeasibility::kNone;
   best_.freedoms = freedoms;
   best_.branch = branch;
   best_.objective = value;

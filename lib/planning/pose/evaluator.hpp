@@ -17,7 +17,7 @@ struct Individual {
   FreedomValues freedoms;
   int arm_branch = 0;
   int branch = 0;
-  Obstacle obstacle = Obstacle::kUnreachable;
+  Infeasibility obstacle = Infeasibility::kUnreachable;
   double objective = std::numeric_limits<double>::infinity();  ///< +inf unless admissible
   double shortfall = std::numeric_limits<double>::infinity();
 };

@@ -61,15 +61,15 @@ class Line {
 
   /// Takes a lane of the block into account; its value, +inf where it is not admissible.
   double Consider(int branch, int lane, double x) {
-    const Obstacle obstacle = block_.obstacle[branch][lane];
-    if (obstacle != Obstacle::kNone) {
+    const Infeasibility obstacle = block_.obstacle[branch][lane];
+    if (obstacle != Infeasibility::kNone) {
       if (!best_.found && obstacle > best_.reason) best_.reason = obstacle;
       return kInfinity;
     }
     const double value = block_.objective[branch].v[lane];
     if (!best_.found || value < best_.objective) {
       best_.found = true;
-      best_.reason = Obstacle::kNone;
+      best_.reason = Infeasibility::kNone;
       best_.freedoms = others_;
       best_.freedoms[0] = x;
       best_.branch = branch;

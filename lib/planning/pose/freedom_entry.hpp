@@ -3,8 +3,8 @@
 #pragma once
 
 #include "base/registry.hpp"
-#include "planning/pose/open_toolpath.hpp"
 #include "base/yaml/section.hpp"
+#include "planning/pose/open_toolpath.hpp"
 
 namespace millpose {
 

@@ -36,7 +36,7 @@ class Population {
       individual.freedoms = table.Setting(entry.setting);
       individual.branch = entry.branch;
       individual.arm_branch = entry.branch & 3;
-      individual.obstacle = Obstacle::kNone;
+      individual.obstacle = Infeasibility::kNone;
       individual.objective = entry.objective;
       individual.shortfall = 0;
       archive.push_back(std::move(individual));
@@ -84,12 +84,12 @@ class Population {
         [&](size_t k, const ScoredBlock& block, int lane) {
           Individual& individual = current_[fresh[k]];
           individual.objective = individual.shortfall = kInfinity;
-          individual.obstacle = Obstacle::kUnreachable;  // not the parent's
+          individual.obstacle = Infeasibility::kUnreachable;  // not the parent's
           for (const int branch : {individual.arm_branch, individual.arm_branch + 4}) {
-            const Obstacle obstacle = block.obstacle[branch][lane];
+            const Infeasibility obstacle = block.obstacle[branch][lane];
             const double shortfall = block.shortfall[branch].v[lane];
             const double objective =
-                obstacle == Obstacle::kNone ? block.objective[branch].v[lane] : kInfinity;
+                obstacle == Infeasibility::kNone ? block.objective[branch].v[lane] : kInfinity;
             if (shortfall > individual.shortfall ||
                 (shortfall == individual.shortfall && objective >= individual.objective))
               continue;
@@ -105,7 +105,7 @@ class Population {
   GenerationRecord Record() const {
     GenerationRecord record;
     for (const Individual& individual : current_) {
-      if (individual.obstacle != Obstacle::kNone) continue;
+      if (individual.obstacle != Infeasibility::kNone) continue;
       if (record.admissible++ == 0) record.best = individual.objective;
       record.mean += individual.objective;
     }

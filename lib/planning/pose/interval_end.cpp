@@ -16,7 +16,7 @@ double IntervalEnd(const PointScorer& scorer, const FreedomValues& inside, size_
     scorer.ScoreBlock(lanes, 1u << (branch & 3), block);
     evaluations += kLanes;
     int count = 0;
-    while (count < kLanes && block.obstacle[branch][count] == Obstacle::kNone) ++count;
+    while (count < kLanes && block.obstacle[branch][count] == Infeasibility::kNone) ++count;
     if (count > 0) within = begin + count * part;
     if (count < kLanes) outside = begin + (count + 1) * part;
     if (part == 0.0 || outside == within) break;

@@ -104,12 +104,12 @@ void CheckAdmissible(const PoseProblem& problem, const FlangeBlock& flange, cons
       const double singular = missed.v[l] > kSingularRounding ? missed.v[l] : 0.0;
       if (!(branch.reached.v[l] > 0.0)) {
         wrist->shortfall.v[l] = std::numeric_limits<double>::infinity();
-        wrist->obstacle[l] = Obstacle::kUnreachable;
+        wrist->obstacle[l] = Infeasibility::kUnreachable;
       } else {
         wrist->shortfall.v[l] = limit > 0.0 ? limit : singular;
-        wrist->obstacle[l] = limit > 0.0      ? Obstacle::kLimit
-                             : singular > 0.0 ? Obstacle::kSingular
-                                              : Obstacle::kNone;
+        wrist->obstacle[l] = limit > 0.0      ? Infeasibility::kLimit
+                             : singular > 0.0 ? Infeasibility::kSingular
+                                              : Infeasibility::kNone;
       }
     }
   }

@@ -11,7 +11,7 @@ namespace millpose {
 struct CheckedWrist {
   std::array<Lanes, 6> q;  ///< rad; within the limits where full revolutions bring it there, else principal
   Lanes shortfall;         ///< as in Candidate
-  std::array<Obstacle, kLanes> obstacle;  ///< kUnreachable, kLimit, kSingular or kNone
+  std::array<Infeasibility, kLanes> obstacle;  ///< kUnreachable, kLimit, kSingular or kNone
 };
 struct CheckedBranch {
   CheckedWrist unflipped, flipped;

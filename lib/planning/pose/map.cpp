@@ -7,9 +7,9 @@
 #include "base/text.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
-#include "planning/pose/objective.hpp"
 #include "machine/stiffness/indices_block.hpp"
 #include "machine/stiffness/series_block.hpp"
+#include "planning/pose/objective.hpp"
 
 namespace millpose {
 namespace {

@@ -6,14 +6,14 @@
 namespace millpose {
 
 /// Defined in objectives/<name>.cpp.
-ObjectiveEntry Chen2021Entry(), DrillingEntry(), IsotropyEntry(), NormalDeflectionEntry(),
+ObjectiveEntry Chen2021Entry(), DrillingEntry(), FaceErrorEntry(), IsotropyEntry(), NormalDeflectionEntry(),
     ProcessForceEntry(), SurfaceErrorEntry(), WorstInPlaneEntry();
 
 Registry<ObjectiveEntry>& Objectives() {
   static Registry<ObjectiveEntry> objectives{
       "objective",
-      {Chen2021Entry(), DrillingEntry(), IsotropyEntry(), NormalDeflectionEntry(), ProcessForceEntry(),
-       SurfaceErrorEntry(), WorstInPlaneEntry()}};
+      {Chen2021Entry(), DrillingEntry(), FaceErrorEntry(), IsotropyEntry(), NormalDeflectionEntry(),
+       ProcessForceEntry(), SurfaceErrorEntry(), WorstInPlaneEntry()}};
   return objectives;
 }
 
@@ -35,13 +35,13 @@ ObjectiveParameters Complete(const ObjectiveEntry& entry, const ObjectiveParamet
     const double value = all[rule.name] = found == given.end() ? rule.fallback : found->second;
     if (!std::isfinite(value) || value < rule.minimum)
       problems.push_back(
-          {Place{}, fmt::format("objective {}: {} is {}; allowed: at least {}", entry.name, rule.name,
-                                ShortestNumber(value), ShortestNumber(rule.minimum))});
+          {SourceLocation{}, fmt::format("objective {}: {} is {}; allowed: at least {}", entry.name,
+                                         rule.name, ShortestNumber(value), ShortestNumber(rule.minimum))});
   }
   for (const auto& [name, value] : given) {
     if (!all.contains(name))
-      problems.push_back(
-          {Place{}, fmt::format("objective {}: {}", entry.name, UnknownName("parameter", name, known))});
+      problems.push_back({SourceLocation{}, fmt::format("objective {}: {}", entry.name,
+                                                        UnknownName("parameter", name, known))});
   }
   return all;
 }

@@ -4,12 +4,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/registry.hpp"
 #include "machine/robot/arm.hpp"
 #include "machine/stiffness/compliance_block.hpp"
+#include "machine/stiffness/force_cone.hpp"
 
 namespace millpose {
 
@@ -36,6 +38,9 @@ class Objective {
   virtual bool DependsOnFeed() const = 0;
   /// Whether it reads the force of the context, which a job's process.cutting gives.
   virtual bool NeedsForce() const { return false; }
+  /// Where whole ways are judged by the error of the face too, with the gears' lost motion: how sure the
+  /// force is then (docs/face-error.md).
+  virtual std::optional<ForceBounds> JudgesFace() const { return std::nullopt; }
   /// Whether it reads the tool axis of the context, which differs between leans.
   virtual bool ReadsToolAxis() const { return true; }
   /// One value per lane; +inf where it is not defined (singular compliance), never NaN.
@@ -77,6 +82,8 @@ struct ObjectiveEntry {
   bool worst_first = false;  ///< jobs that do not say otherwise care for the worst point before the sum
   bool with_force = false;   ///< taken where a job knows the cutting force and names no objective: one alone
   bool of_paper = false;     ///< eq. 23 of Chen et al. 2021, which formulation paper follows: one alone
+  /// Taken in place of that with_force where the cell knows the lost motion of its gears too: one alone.
+  bool with_lost_motion = false;
 };
 
 /// All objectives; programs that link the library may add theirs.

@@ -166,7 +166,7 @@ PointOptimum OnExactPose(const PointScorer& scorer, const PaperResult& result) {
   double least = std::numeric_limits<double>::infinity();
   for (int branch = 0; branch < 8; ++branch) {
     const Candidate& candidate = candidates[branch];
-    if (candidate.obstacle == Obstacle::kUnreachable) continue;
+    if (candidate.obstacle == Infeasibility::kUnreachable) continue;
     double away = 0;  // modulo full revolutions
     for (int i = 0; i < 6; ++i) {
       const auto [sine, cosine] = SinCos(candidate.q[i] - result.q[i]);
@@ -176,7 +176,7 @@ PointOptimum OnExactPose(const PointScorer& scorer, const PaperResult& result) {
     least = away;
     optimum.branch = branch;
     optimum.reason = candidate.obstacle;
-    optimum.found = candidate.obstacle == Obstacle::kNone;
+    optimum.found = candidate.obstacle == Infeasibility::kNone;
     optimum.objective = candidate.objective;
     optimum.q = candidate.q;
   }

@@ -3,9 +3,9 @@
 
 #include <limits>
 
+#include "machine/robot/inverse_entries.hpp"
 #include "planning/pose/judge_block.hpp"
 #include "planning/pose/lean_problem.hpp"
-#include "machine/robot/inverse_entries.hpp"
 
 namespace millpose {
 namespace {
@@ -99,7 +99,7 @@ void PointScorer::FlangePoses(std::span<const double> values, FlangeBlock& out, 
 }
 
 void PointScorer::ScoreBlock(std::span<const double> values, unsigned arm_branches, ScoredBlock& out) const {
-  for (auto& branch : out.obstacle) branch.fill(Obstacle::kUnreachable);
+  for (auto& branch : out.obstacle) branch.fill(Infeasibility::kUnreachable);
   for (Lanes& branch : out.shortfall) std::fill_n(branch.v, kLanes, std::numeric_limits<double>::infinity());
   FlangeBlock flange;
   BlockAxes axes;
@@ -113,7 +113,7 @@ void PointScorer::ScoreBlock(std::span<const double> values, unsigned arm_branch
   for (size_t l = 0; l < kLanes; ++l) {
     if ((axes.barred >> l & 1u) == 0) continue;
     for (int branch = 0; branch < 8; ++branch) {
-      out.obstacle[branch][l] = Obstacle::kUnreachable;
+      out.obstacle[branch][l] = Infeasibility::kUnreachable;
       out.shortfall[branch].v[l] = std::numeric_limits<double>::infinity();
     }
   }
@@ -146,7 +146,7 @@ void PointScorer::ScoreEntry(int entry, const FlangeBlock& flange, const ArmBran
     out.obstacle[branch] = wrist.obstacle;
     out.shortfall[branch] = wrist.shortfall;
     std::copy(wrist.q.begin(), wrist.q.end(), out.q[branch]);
-    any_admissible |= std::ranges::find(wrist.obstacle, Obstacle::kNone) != wrist.obstacle.end();
+    any_admissible |= std::ranges::find(wrist.obstacle, Infeasibility::kNone) != wrist.obstacle.end();
   }
   if (!any_admissible) return;
   ComplianceBlock joints;
@@ -161,9 +161,9 @@ void PointScorer::ScoreEntry(int entry, const FlangeBlock& flange, const ArmBran
     }
     // A compliance without an objective's value is singular, whatever the bounds say.
     for (int l = 0; l < kLanes; ++l) {
-      if (out.obstacle[branch][l] != Obstacle::kNone) continue;
+      if (out.obstacle[branch][l] != Infeasibility::kNone) continue;
       if (std::isfinite(out.objective[branch].v[l])) continue;
-      out.obstacle[branch][l] = Obstacle::kSingular;
+      out.obstacle[branch][l] = Infeasibility::kSingular;
       out.shortfall[branch].v[l] = 1.0;
     }
   }
@@ -199,8 +199,8 @@ Candidate CandidateOf(const ScoredBlock& block, int branch, int lane) {
   Candidate candidate;
   candidate.obstacle = block.obstacle[branch][lane];
   candidate.shortfall = block.shortfall[branch].v[lane];
-  if (candidate.obstacle == Obstacle::kUnreachable) return candidate;
-  if (candidate.obstacle == Obstacle::kNone) {
+  if (candidate.obstacle == Infeasibility::kUnreachable) return candidate;
+  if (candidate.obstacle == Infeasibility::kNone) {
     candidate.objective = block.objective[branch].v[lane];
   }
   for (int i = 0; i < 6; ++i) candidate.q[i] = block.q[branch][i].v[lane];

@@ -4,14 +4,14 @@
 #include <array>
 #include <span>
 
-#include "planning/pose/freedom.hpp"
-#include "planning/pose/objective.hpp"
-#include "planning/pose/rotated_flange.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "machine/stiffness/compliance.hpp"
 #include "machine/stiffness/series_block.hpp"
+#include "planning/pose/freedom.hpp"
+#include "planning/pose/objective.hpp"
+#include "planning/pose/rotated_flange.hpp"
+#include "toolpath/infeasibility.hpp"
 #include "toolpath/lean_law.hpp"
-#include "toolpath/obstacle.hpp"
 
 namespace millpose {
 
@@ -48,7 +48,7 @@ struct PoseProblem {
 
 /// One branch of one choice of freedoms.
 struct Candidate {
-  Obstacle obstacle = Obstacle::kUnreachable;
+  Infeasibility obstacle = Infeasibility::kUnreachable;
   double objective = 0;       ///< defined where admissible
   double shortfall = 0;       ///< by how much the bounds are missed (rad, sines, m summed); 0 when admissible
   Joints q = Joints::Zero();  ///< a representative within the bounds where one exists, else principal; rad
@@ -60,7 +60,7 @@ struct ScoredBlock {
   Lanes objective[8];  ///< defined where admissible
   Lanes shortfall[8];  ///< as in Candidate
   Lanes q[8][6];       ///< as in Candidate
-  std::array<Obstacle, kLanes> obstacle[8];
+  std::array<Infeasibility, kLanes> obstacle[8];
 };
 
 /// One entry of a block.

@@ -13,7 +13,7 @@ namespace millpose {
 /// A point's optimum as a search found it.
 struct PointOptimum {
   bool found = false;
-  Obstacle reason = Obstacle::kUnreachable;  ///< when not found: how far the best candidate came
+  Infeasibility reason = Infeasibility::kUnreachable;  ///< when not found: how far the best candidate came
   FreedomValues freedoms;
   int branch = 0;
   Joints q = Joints::Zero();

@@ -9,7 +9,7 @@ PointFilter Compared(const std::vector<PassResult>& passes) {
     for (const PlannedPoint& planned : pass.points)
       forces = forces || planned.point.engagement.side != CutSide::kAir;
   return [forces](const PlannedPoint& planned) {
-    return planned.skip == Obstacle::kNone && planned.point.kind == PointKind::kCut &&
+    return planned.skip == Infeasibility::kNone && planned.point.kind == PointKind::kCut &&
            (!forces || planned.point.engagement.side != CutSide::kAir);
   };
 }

@@ -9,9 +9,9 @@
 #include "base/units.hpp"
 #include "machine/motion/cut_feed.hpp"
 #include "machine/motion/line.hpp"
-#include "planning/result/station.hpp"
 #include "machine/robot/angles.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {
@@ -30,7 +30,7 @@ Eigen::Vector3d AlongOf(const PlannedPoint& point) {
   return along;
 }
 
-Cut CutOf(const PassResult& pass, const Piece& piece) {
+Cut CutOf(const PassResult& pass, const Segment& piece) {
   constexpr double kSamePlace = 1e-9;  // mm
   Cut cut;
   for (int i = piece.first; i <= piece.last; ++i) {
@@ -83,8 +83,8 @@ class Carriers {
       return {plan_.arm, BaseAt(plan_, *point.external), plan_.X_FT};
     }
     return {plan_.arm, plan_.X_WB, plan_.X_FT,
-            std::make_shared<const Ride>(Ride{Mechanism(plan_.external_axes), plan_.X_WB, plan_.X_WP,
-                                              external(end - 1), external(end)})};
+            std::make_shared<const CoordinatedMotion>(CoordinatedMotion{
+                Mechanism(plan_.external_axes), plan_.X_WB, plan_.X_WP, external(end - 1), external(end)})};
   }
 
  private:
@@ -135,7 +135,7 @@ ContinuityFigures AnalyseContinuity(const PlanResult& plan) {
   size_t first_point = 0;
   for (const PassResult& pass : plan.passes) {
     const Carriers carriers(plan, pass);
-    for (const Piece& piece : pass.pieces) {
+    for (const Segment& piece : pass.pieces) {
       const Cut cut = CutOf(pass, piece);
       AddCut(cut, plan.arm, carriers, figures, squares);
       for (const FeedShortfall& s :
@@ -153,7 +153,7 @@ ContinuityFigures AnalyseContinuity(const PlanResult& plan) {
 
 double SquaredAcceleration(const PassResult& pass) {
   double square = 0;
-  for (const Piece& piece : pass.pieces) {
+  for (const Segment& piece : pass.pieces) {
     const Cut cut = CutOf(pass, piece);
     const Joints rms = TimeRms(cut.samples, RatesAlong(cut.samples).acceleration);
     square += TimeOf(cut) * rms.squaredNorm();
@@ -266,7 +266,7 @@ FeedReduction ReduceFeeds(PlanResult& plan) {
   size_t first_point = 0;
   for (PassResult& pass : plan.passes) {
     const Carriers carriers(plan, pass);
-    for (const Piece& piece : pass.pieces) {
+    for (const Segment& piece : pass.pieces) {
       Cut cut = CutOf(pass, piece);
       std::vector<double> wanted;
       for (const CutSample& sample : cut.samples) wanted.push_back(sample.feed);

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "planning/result/gear_course.hpp"
+
 namespace millpose {
 
 /// Figures of one point in one pose.
@@ -13,16 +15,26 @@ struct PointFigures {
   double length = 0;  ///< |cF|, mm
 };
 
+/// A rotation of the whole job or one of each pass.
+struct FixedChoice {
+  std::vector<PointFigures> points;  ///< empty where there is none
+  std::vector<double> rotations;     ///< rad: one, or of each compared pass
+  GearTally gears;                   ///< where joints turn back with it, entered as the plan is
+};
+
 /// A plan beside the best single rotation of the job and the best of each pass. One counts only where it
 /// serves every planned point of a pass on one branch, within the same limits, joint steps and clearances, on
 /// the motions between points too; ways between passes are not planned for it. Compared are the planned cut
 /// points, where forces are known those that are not in air.
 struct FixedComparison {
   std::vector<PointFigures> plan;
-  std::vector<PointFigures> job;                  ///< empty when no rotation serves all
-  double rotation = 0;                            ///< of `job`, rad
-  std::vector<PointFigures> passes;               ///< empty when one pass has none
+  GearTally plan_gears;
+  FixedChoice job, passes;  ///< best by the criterion that was planned for
+  /// Least sum among those whose worst value is within kNearBest of the least worst.
+  FixedChoice job_by_sum, passes_by_sum;
   std::string job_in_the_way, passes_in_the_way;  ///< one sentence each, where there is none
 };
+
+inline constexpr double kNearBest = 0.05;  ///< share
 
 }  // namespace millpose

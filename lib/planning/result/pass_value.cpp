@@ -31,7 +31,7 @@ PassValue ValueOf(const PassResult& pass) {
   const std::vector<PlannedPoint>& points = pass.points;
   for (size_t t = 0; t < points.size(); ++t) {
     const double way = WayAt(t, points.size(), [&](size_t i) { return points[i].point.position; });
-    if (points[t].skip != Obstacle::kNone) {
+    if (points[t].skip != Infeasibility::kNone) {
       value.skipped += way;
       continue;
     }

@@ -11,8 +11,8 @@
 #include "machine/robot/arm.hpp"
 #include "machine/robot/mechanism.hpp"
 #include "machine/stiffness/compliance.hpp"
+#include "toolpath/infeasibility.hpp"
 #include "toolpath/milling_point.hpp"
-#include "toolpath/obstacle.hpp"
 
 namespace millpose {
 
@@ -41,20 +41,21 @@ struct Compensation {
   Eigen::Vector3d weight = Eigen::Vector3d::Zero();  ///< what the shift takes out of the arm's own sag
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< mean, on the tool, N
   Along normal, across;                              ///< the surface normal; normal × feed
-  bool bounded = false;                              ///< the shift was cut to the largest allowed
+  double map = 0;        ///< mm along the normal that the map of a measured part takes out
+  bool bounded = false;  ///< the shift was cut to the largest allowed
 };
 
 /// A milling point as planned (vectors in W), or why it was skipped.
 struct PlannedPoint {
   MillingPoint point;
-  Obstacle skip = Obstacle::kNone;  ///< why it is skipped
-  std::string detail;               ///< for a skipped point: what and where
-  int piece = 0;                    ///< of its pass
-  std::vector<double> freedoms;     ///< rotation about the tool axis first, rad
-  int branch = 0;                   ///< status bits S
-  Joints q = Joints::Zero();        ///< absolute, full revolutions fixed, rad
-  MillingPlaneIndices indices;      ///< at the stiffness origin
-  double lambda_3 = 0;              ///< shortest semi-axis of the ellipsoid of c, mm/N
+  Infeasibility skip = Infeasibility::kNone;  ///< why it is skipped
+  std::string detail;                         ///< for a skipped point: what and where
+  int piece = 0;                              ///< of its pass
+  std::vector<double> freedoms;               ///< rotation about the tool axis first, rad
+  int branch = 0;                             ///< status bits S
+  Joints q = Joints::Zero();                  ///< absolute, full revolutions fixed, rad
+  MillingPlaneIndices indices;                ///< at the stiffness origin
+  double lambda_3 = 0;                        ///< shortest semi-axis of the ellipsoid of c, mm/N
   Eigen::Vector3d lambda_3_direction = Eigen::Vector3d::Zero();  ///< along it, in W: the stiffest direction
   double dexterity = 0;
   double objective = 0;
@@ -78,7 +79,7 @@ struct PlannedPoint {
 };
 
 /// Points first..last of a pass, cut without lifting the tool.
-struct Piece {
+struct Segment {
   int pass = 0;
   int piece = 0;
   int first = 0, last = 0;  ///< inclusive, into PassResult::points
@@ -104,7 +105,7 @@ struct PassResult {
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();
   ExternalPosition external;  ///< where the external axes stand while it is milled, or when it begins
   std::vector<PlannedPoint> points;
-  std::vector<Piece> pieces;
+  std::vector<Segment> pieces;
   double grid_gap = 0;          ///< relative: (coarse path cost − refined path cost) ÷ refined
   long long poses_checked = 0;  ///< interference
   int nodes_pruned = 0;         ///< pruned for interference
@@ -134,7 +135,7 @@ struct ExternalMove {
 /// pieces are milled at different stations the way goes by home, where the external axes move; the external
 /// axes' home is the station before the first piece and after the last. Poses hold at the station where the
 /// external axes stand then.
-struct Gap {
+struct LinkMove {
   int from_pass = -1, from_piece = -1;
   int to_pass = -1, to_piece = -1;
   bool planned = false;
@@ -162,7 +163,7 @@ struct PlanResult {
   Joints home = Joints::Zero();
   double spindle_speed = 0;        ///< rev/s
   std::vector<PassResult> passes;  ///< by pass number
-  std::vector<Gap> gaps;  ///< in the order of execution: home → piece, piece → piece, …, → home
+  std::vector<LinkMove> gaps;  ///< in the order of execution: home → piece, piece → piece, …, → home
   std::string objective_name, objective_unit;
   StiffnessOrigin stiffness_origin = StiffnessOrigin::kToolTip;
 };
@@ -173,7 +174,7 @@ std::string Serialise(const PlanResult& result);
 PlanResult ParsePlanResult(std::string_view bytes, const std::string& name);
 std::string Serialise(const PassResult& result);
 PassResult ParsePassResult(std::string_view bytes, const std::string& name);
-std::string Serialise(const Gap& result);
-Gap ParseGap(std::string_view bytes, const std::string& name);
+std::string Serialise(const LinkMove& result);
+LinkMove ParseLinkMove(std::string_view bytes, const std::string& name);
 
 }  // namespace millpose

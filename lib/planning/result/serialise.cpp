@@ -233,6 +233,7 @@ void Fields(Archive& a, Compensation& c) {
   a("force", c.force);
   a("normal", c.normal);
   a("across", c.across);
+  a("map", c.map);
   a("bounded", c.bounded);
 }
 
@@ -270,7 +271,7 @@ void Fields(Archive& a, PlannedPoint& p) {
 }
 
 template <class Archive>
-void Fields(Archive& a, Piece& p) {
+void Fields(Archive& a, Segment& p) {
   a("pass", p.pass);
   a("piece", p.piece);
   a("first", p.first);
@@ -327,7 +328,7 @@ void Fields(Archive& a, ExternalMove& m) {
 }
 
 template <class Archive>
-void Fields(Archive& a, Gap& g) {
+void Fields(Archive& a, LinkMove& g) {
   a("from_pass", g.from_pass);
   a("from_piece", g.from_piece);
   a("to_pass", g.to_pass);
@@ -409,7 +410,7 @@ void Fields(Archive& a, PlanResult& r) {
 }
 
 // The leading field tells a file of ours from others and one version from the next.
-constexpr const char* kFormat = "millpose 6";
+constexpr const char* kFormat = "millpose 7";
 
 /// The fields of a value behind the leading one.
 template <class T>
@@ -462,7 +463,7 @@ std::string Serialise(const PlanResult& result) {
 }
 
 std::string Serialise(const PassResult& result) { return ToBytes(result); }
-std::string Serialise(const Gap& result) { return ToBytes(result); }
+std::string Serialise(const LinkMove& result) { return ToBytes(result); }
 
 PlanResult ParsePlanResult(std::string_view bytes, const std::string& name) {
   return FromBytes<PlanResult>(bytes, name);
@@ -472,6 +473,8 @@ PassResult ParsePassResult(std::string_view bytes, const std::string& name) {
   return FromBytes<PassResult>(bytes, name);
 }
 
-Gap ParseGap(std::string_view bytes, const std::string& name) { return FromBytes<Gap>(bytes, name); }
+LinkMove ParseLinkMove(std::string_view bytes, const std::string& name) {
+  return FromBytes<LinkMove>(bytes, name);
+}
 
 }  // namespace millpose

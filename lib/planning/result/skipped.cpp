@@ -7,7 +7,7 @@ namespace millpose {
 namespace {
 
 /// What of a planned point holds for a skipped one too.
-PlannedPoint Skipped(const PlannedPoint& planned, Obstacle reason, const std::string& detail) {
+PlannedPoint Skipped(const PlannedPoint& planned, Infeasibility reason, const std::string& detail) {
   PlannedPoint point;
   point.point = planned.point;
   point.skip = reason;
@@ -24,9 +24,9 @@ PlannedPoint Skipped(const PlannedPoint& planned, Obstacle reason, const std::st
 
 }  // namespace
 
-void LeaveOut(PassResult& pass, int piece, Obstacle reason, const std::string& detail) {
+void LeaveOut(PassResult& pass, int piece, Infeasibility reason, const std::string& detail) {
   for (PlannedPoint& point : pass.points) {
-    if (point.skip != Obstacle::kNone || point.piece < piece) continue;
+    if (point.skip != Infeasibility::kNone || point.piece < piece) continue;
     if (point.piece == piece) {
       point = Skipped(point, reason, detail);
     } else {
@@ -42,14 +42,14 @@ void LeaveOut(PassResult& pass, int piece, Obstacle reason, const std::string& d
 
 size_t CountSkipped(const PassResult& pass) {
   return static_cast<size_t>(std::ranges::count_if(
-      pass.points, [](const PlannedPoint& point) { return point.skip != Obstacle::kNone; }));
+      pass.points, [](const PlannedPoint& point) { return point.skip != Infeasibility::kNone; }));
 }
 
 std::map<std::string, size_t> SkippedByReason(const PlanResult& plan) {
   std::map<std::string, size_t> counts;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points)
-      if (point.skip != Obstacle::kNone) ++counts[ToString(point.skip)];
+      if (point.skip != Infeasibility::kNone) ++counts[ToString(point.skip)];
   return counts;
 }
 

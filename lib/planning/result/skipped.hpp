@@ -10,7 +10,7 @@ namespace millpose {
 
 /// Leaves a planned piece out of its pass: its points are skipped for `reason`, which `detail` tells in
 /// words, and the pieces after it move up by one number.
-void LeaveOut(PassResult& pass, int piece, Obstacle reason, const std::string& detail);
+void LeaveOut(PassResult& pass, int piece, Infeasibility reason, const std::string& detail);
 
 size_t CountSkipped(const PassResult& pass);
 

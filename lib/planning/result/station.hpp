@@ -2,8 +2,8 @@
 // Where base and part of a plan stand with the external axes somewhere (docs/external-axes.md).
 #pragma once
 
-#include "planning/result/plan_result.hpp"
 #include "machine/stiffness/series.hpp"
+#include "planning/result/plan_result.hpp"
 
 namespace millpose {
 

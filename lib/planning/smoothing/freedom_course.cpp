@@ -4,9 +4,9 @@
 #include <limits>
 
 #include "base/units.hpp"
-#include "planning/pose/score_along.hpp"
 #include "machine/robot/angles.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/pose/score_along.hpp"
 
 namespace millpose {
 namespace {
@@ -121,7 +121,7 @@ void FreedomCourse::Probe(size_t t, double x, const FreedomRange& range, CourseP
   for (size_t l = 0; l < kLanes; ++l) {
     at[l].q = NearestEquivalent(place.q, at[l].q);
     // The point itself was admitted before; turned back, its angles may differ by rounding.
-    good[l] = at[l].obstacle == Obstacle::kNone && problem_.bounds.Hold(at[l].q, kRevolutionRounding);
+    good[l] = at[l].obstacle == Infeasibility::kNone && problem_.bounds.Hold(at[l].q, kRevolutionRounding);
   }
   const bool stays = x == place.x;
   if (!good[0] && !stays) return;

@@ -76,7 +76,7 @@ class KrlWriter : public ProgramWriter {
     if (i >= program_.motions.size()) return;
     motion_ = &program_.motions[i];
     if (i == 0) base_ = Base();
-    rides_ = (rides_ && HasFeed(*motion_)) || Rides(program_, i);
+    rides_ = (rides_ && HasFeed(*motion_)) || CoordinatedMotions(program_, i);
   }
 
   /// What $BASE is given where the motion counts; empty where programs state none.

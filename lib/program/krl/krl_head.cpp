@@ -2,6 +2,7 @@
 #include "program/krl/krl_head.hpp"
 
 #include "base/units.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "program/controller_axes.hpp"
 #include "program/krl/krl.hpp"
 #include "program/pose_text.hpp"
@@ -133,29 +134,11 @@ std::string KrlLoad(const KrlOptions& options, const PostSettings& settings) {
                      three(load.centre), three(load.inertia));
 }
 
-bool SameStatement(std::string_view a, std::string_view b) {
-  const auto plain = [](std::string_view text) {
-    std::string result;
-    bool blank = false;
-    for (const char c : Trim(text)) {
-      if (c == ' ' || c == '\t') {
-        blank = true;
-        continue;
-      }
-      if (blank && !result.empty() && IsWordCharacter(result.back()) && IsWordCharacter(c)) result += ' ';
-      result += c;
-      blank = false;
-    }
-    return result;
-  };
-  return SameWords(plain(a), plain(b));
-}
-
 size_t KrlLines(const std::string& text, const std::vector<std::string_view>& lines, size_t first) {
   size_t line = first;
   for (const std::string_view wanted : SplitLines(text)) {
     while (line > first && line < lines.size() && Trim(lines[line]).empty()) ++line;
-    if (line == lines.size() || !SameStatement(lines[line], wanted)) return 0;
+    if (line == lines.size() || Spelled(lines[line]) != Spelled(wanted)) return 0;
     ++line;
   }
   return line - first;

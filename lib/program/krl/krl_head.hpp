@@ -23,9 +23,6 @@ std::string KrlLoad(const KrlOptions& options, const PostSettings& settings);
 /// "EK(MACHINE_DEF[2].ROOT,MACHINE_DEF[2].MECH_TYPE,".
 std::string KrlTableBase(const KrlTable& table);
 
-/// Whether two statements differ in nothing but case and blanks that part no words.
-bool SameStatement(std::string_view a, std::string_view b);
-
 /// How many lines from `first` on are those of `text`, apart from case and blanks, with blank lines between;
 /// 0 when they are not.
 size_t KrlLines(const std::string& text, const std::vector<std::string_view>& lines, size_t first);

@@ -89,7 +89,7 @@ void Check(const Value& value, const Context& context, PostSection<S>& section) 
 }  // namespace
 
 PostEntry KrlEntry() {
-  std::vector<PostKey<S>> keys = {ToolAxisKey(), AxisSignsKey(), AxisOffsetsKey()};
+  std::vector<PostKey<S>> keys = {ToolAxisKey(), AxisSignsKey(), AxisOffsetsKey(), AxisCouplingsKey()};
   keys.emplace_back(ExternalAxesKey({"E1", "E2", "E3", "E4", "E5", "E6"}, true));
   std::ranges::copy(FrameAndSpeedKeys(), std::back_inserter(keys));
   keys.emplace_back(PathAccelerationKey());

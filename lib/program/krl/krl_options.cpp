@@ -2,8 +2,8 @@
 #include "program/krl/krl_options.hpp"
 
 #include "base/trig.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "program/external_axes.hpp"
-#include "program/pose_text.hpp"
 
 namespace millpose {
 namespace {

@@ -270,7 +270,7 @@ class KrlReader : public ProgramReader {
         scan.FailFrom(number, fmt::format("{} expected, the cell's tool_number", options_.tool_number));
       return;
     }
-    if (!SameStatement("$LOAD " + scan.Rest(), load_))
+    if (Spelled("$LOAD " + scan.Rest()) != Spelled(load_))
       scan.FailFrom(start, load_.empty() ? "LOAD_DATA[n] expected: the cell gives no values to be stated"
                                          : fmt::format("{} expected, as the cell gives it", load_));
     Stated(kLoad);
@@ -478,7 +478,7 @@ class KrlReader : public ProgramReader {
   }
 
   /// External axes that move along: the controller counts in them, so that $BASE holds all the way.
-  void Ride(const LineScanner& scan, const ExternalPosition& before, Motion& motion) const {
+  void CoordinatedMotion(const LineScanner& scan, const ExternalPosition& before, Motion& motion) const {
     if (motion.external == before || !base_) return;
     if (const std::string name = UncoupledMove(settings_, before, motion.external); !name.empty())
       scan.Fail(
@@ -493,7 +493,7 @@ class KrlReader : public ProgramReader {
     Motion& motion = AddMotion(MotionType::kLinear);
     for (const char* setting : {"$VEL.CP", "$VEL.ORI1", "$VEL.ORI2", "$ORI_TYPE"}) Require(setting);
     motion.X_PT = Target(scan, ReadTarget(scan, {"X", "Y", "Z", "A", "B", "C", "S", "T"}, motion));
-    Ride(scan, before, motion);
+    CoordinatedMotion(scan, before, motion);
     motion.feed = feed_;
     motion.turn_speed = std::min(turn_speed_[0], turn_speed_[1]);
     motion.exact = !scan.Accept("C_DIS");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "program/krl/krl_words.hpp"
 
+#include "base/angles.hpp"
 #include "base/units.hpp"
-#include "program/controller_axes.hpp"
 
 namespace millpose::krl {
 namespace {

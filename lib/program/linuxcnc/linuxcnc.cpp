@@ -8,13 +8,13 @@
 #include "base/trig.hpp"
 #include "base/units.hpp"
 #include "machine/motion/line.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"
 #include "program/linuxcnc/linuxcnc_rounding.hpp"
 #include "program/program_name.hpp"
 #include "program/scanner.hpp"
 #include "program/writer.hpp"
-#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {

@@ -9,7 +9,7 @@ PostEntry LinuxCncEntry() {
   using namespace yaml;  // NOLINT: tables are written in its words
   using S = LinuxCncOptions;
   return EntryOf<LinuxCncPost>(
-      {ToolAxisKey(), RotationKey(), AxisSignsKey(), AxisOffsetsKey(),
+      {ToolAxisKey(), RotationKey(), AxisSignsKey(), AxisOffsetsKey(), AxisCouplingsKey(),
        Key<S>("coordinates", MILLPOSE_AT(cartesian), ChoiceOf<bool>({{"joint", false}, {"cartesian", true}}),
               "X Y Z A B C are joints throughout, or the tool's pose in cuts."),
        Key<S>("m6_moves", MILLPOSE_AT(m6_moves), Maybe(Flag()),

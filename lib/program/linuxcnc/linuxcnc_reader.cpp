@@ -382,7 +382,7 @@ class LinuxCncReader : public ProgramReader {
   }
 
   /// The joints (degrees) where the arm stands; also behind a call, which leaves them where it is said to.
-  std::optional<Joints> Place() const {
+  std::optional<Joints> SourceLocation() const {
     if (last_) return last_;
     if (program_.motions.empty() || !program_.motions.back().q) return std::nullopt;
     return settings_.axes.FromArm(*program_.motions.back().q) * kDegPerRad;
@@ -395,7 +395,7 @@ class LinuxCncReader : public ProgramReader {
 
   void AddTarget(const LineScanner& scan, const Block& block, const ExternalPosition& external_before) {
     const Joints angles = Complete(scan, block);
-    const std::optional<Joints> before = Place();
+    const std::optional<Joints> before = SourceLocation();
     if (motion_ == 1 && !before) scan.Fail("G0 expected: where this motion begins is not known");
     Motion& motion = AddMotion(MotionType::kJoint);
     motion.q = settings_.axes.ToArm(angles * kRadPerDeg);

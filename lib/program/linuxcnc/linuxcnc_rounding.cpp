@@ -3,9 +3,9 @@
 
 #include "base/units.hpp"
 #include "machine/motion/line.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
 #include "program/overlap.hpp"
-#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {

@@ -115,7 +115,7 @@ class SinumerikWriter : public ProgramWriter {
         fmt::format("ASSUMED G{} is for this program and overwritten; no basic frame; its origin is the "
                     "robot base",
                     options_.Frame())};
-    if (HasRides(program_))
+    if (HasCoordinatedMotions(program_))
       lines.emplace_back(
           "ASSUMED F counts along X, Y, Z alone (FGROUP); external axes move along in the same time");
     return lines;
@@ -142,7 +142,7 @@ class SinumerikWriter : public ProgramWriter {
     const Motion& motion = program_.motions[i];
     At(i);
     if (motion.type == MotionType::kLinear) {
-      AddLinear(motion, Rides(program_, i));
+      AddLinear(motion, CoordinatedMotions(program_, i));
     } else if (motion.status) {
       Transform(true);
       Line(fmt::format("G0 {} STAT='B{:03b}' TU='B{:06b}' PTP", Words(motion), options_.Stat(*motion.status),

@@ -83,7 +83,7 @@ void Check(const Value& value, const Context& context, PostSection<S>& section) 
 
 PostEntry SinumerikEntry() {
   return EntryOf<SinumerikPost>(
-      {ToolAxisKey(), AxisSignsKey(), AxisOffsetsKey(),
+      {ToolAxisKey(), AxisSignsKey(), AxisOffsetsKey(), AxisCouplingsKey(),
        Key<S>("axis_names", MILLPOSE_AT(axis_names), Names<6>(),
               "Names of the six robot axes as channel axes, for motions without transformation."),
        ExternalAxesKey({}, false),

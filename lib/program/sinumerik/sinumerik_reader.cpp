@@ -353,7 +353,7 @@ class SinumerikReader : public ProgramReader {
 
   /// External axes beside a pose: the transformation keeps the tip where it is on the part. What it does not
   /// count in must stand still.
-  void RideAlong(const LineScanner& scan, size_t start, const SinumerikBlock& block) {
+  void CoordinatedAlong(const LineScanner& scan, size_t start, const SinumerikBlock& block) {
     for (const ControllerAxis& axis : settings_.controller_axes) {
       const auto value = block.Word(axis.name);
       if (!value) continue;
@@ -396,7 +396,7 @@ class SinumerikReader : public ProgramReader {
       }
     }
     const ExternalPosition before = external_;
-    if (block.HasAxes()) RideAlong(scan, start, block);
+    if (block.HasAxes()) CoordinatedAlong(scan, start, block);
     Motion& motion = AddMotion(*ptp_ ? MotionType::kJoint : MotionType::kLinear);
     motion.X_PT.translation() = Eigen::Vector3d(*last_[0], *last_[1], *last_[2]);
     motion.angles = Eigen::Vector3d(*last_[3], *last_[4], *last_[5]) * kRadPerDeg;

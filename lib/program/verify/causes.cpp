@@ -31,7 +31,8 @@ const Words& WordsOf(Cause cause) {
         "`process.feed: reduce` (the default), or a lower `process.feed_mm_min`"}},
       {Cause::kCorner,
        {"corner rounded by too much, or passed too fast", "corners rounded by too much, or passed too fast",
-        "a larger `program_options.path_tolerance_mm` and `path_tolerance_deg`"}},
+        "a larger `program_options.path_tolerance_mm` and `path_tolerance_deg`; where the maker documents no "
+        "corner, a larger `controllers.{0}.max_corner_mm`"}},
       {Cause::kStop,
        {"stop of the tool in the cut", "stops of the tool in the cut",
         "larger `controllers.{0}.max_motions` and `max_kbytes`"}},

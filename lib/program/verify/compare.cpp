@@ -3,8 +3,8 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "program/program_place.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/program_place.hpp"
 #include "program/verify/compare_events.hpp"
 #include "program/verify/corner.hpp"
 #include "program/verify/run_comparison.hpp"
@@ -125,7 +125,7 @@ std::vector<FeedRun> FeedRuns(const MotionProgram& program) {
 }
 
 std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const Cell& cell,
-                           const VerifyOptions& options, const MotionLook& look, const Execution& execution,
+                           const VerifyOptions& options, const MotionQuery& look, const Execution& execution,
                            std::vector<Finding>& findings) {
   const size_t common = std::min(replayed.runs.size(), plan.runs.size());
   std::vector<Proof> proofs(replayed.program.motions.size());

@@ -29,18 +29,18 @@ struct Replayed {
 struct Proof {
   bool proven = true;          ///< as planned, within the options' clearance_reserve
   double clearance_share = 1;  ///< of the cell's clearances, with which the plan made it
-  bool sampled = false;        ///< it was handed to the MotionLook
+  bool sampled = false;        ///< it was handed to the MotionQuery
 };
 
 /// Told of a motion of a run and of its instants after its start, `options.step` apart; from several threads.
-using MotionLook =
+using MotionQuery =
     std::function<void(size_t motion, std::span<const Instant> instants, std::vector<Finding>& findings)>;
 
 /// Compares the feed runs in their order (tip, axis, rotation, feed, exact stops, corners), the joint motions
 /// between them, spindle and outputs. What it samples on the way is handed to `look`. Returns what is known
 /// of every motion of `replayed`.
 std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const Cell& cell,
-                           const VerifyOptions& options, const MotionLook& look, const Execution& execution,
+                           const VerifyOptions& options, const MotionQuery& look, const Execution& execution,
                            std::vector<Finding>& findings);
 
 }  // namespace millpose

@@ -2,9 +2,9 @@
 #include "program/verify/replay.hpp"
 
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/controller_axes.hpp"
 #include "program/programmed_line.hpp"
-#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
@@ -12,6 +12,7 @@ namespace {
 constexpr double kTurnStep = 0.5 * kRadPerDeg;
 constexpr double kLargestTurn = 4 * kPi;  // rad that a straight motion may turn; more is no program of ours
 constexpr double kFarOutside = 2 * kPi;   // rad beyond the limits: not sampled, the arm stays where it was
+constexpr double kTurnSlack = 2e-4;       // rad: where rounding decides which turn an axis is said to be in
 constexpr double kCallSlack = 1e-4;       // rad: six decimals of a degree, and turns counted exactly
 constexpr double kMostSteps = 1e6;        // of one motion: lengths and turns are bounded before
 constexpr double kTargetStep = 5;  // mm: from target to target full revolutions must be followed, no more
@@ -131,7 +132,7 @@ std::optional<Joints> CallTarget(const MotionProgram& program, const Motion& mot
 /// The external axis that motion `index` takes along a cut to or from farther outside its limits than they
 /// are wide; empty for none. Such a way is not worth following: it may be kilometres long.
 std::string FarAlong(const MotionProgram& program, size_t index) {
-  for (size_t k = 0; k < program.external_axes.size() && Rides(program, index); ++k) {
+  for (size_t k = 0; k < program.external_axes.size() && CoordinatedMotions(program, index); ++k) {
     const ExternalAxis& axis = program.external_axes[k];
     const double range = axis.upper - axis.lower;
     for (const size_t end : {index - 1, index}) {
@@ -139,6 +140,24 @@ std::string FarAlong(const MotionProgram& program, size_t index) {
       const bool near = value >= axis.lower - range && value <= axis.upper + range;
       if (!near) return axis.name;
     }
+  }
+  return {};
+}
+
+/// Why the arm does not arrive at `q` as a motion's text says that it stands there; empty: it does.
+std::string WhyNotAsStated(const MotionProgram& program, const Cell& cell, const Motion& motion,
+                           const Joints& q) {
+  if (const int status = Status(cell.arm, q); motion.status && *motion.status != status)
+    return fmt::format("the straight motion arrives in configuration S = {}, but S = {} is stated", status,
+                       *motion.status);
+  const Joints angles = program.axes.FromArm(q);
+  for (int i = 0; motion.least && i < 6; ++i) {
+    const double from = (*motion.least)[i];
+    if (angles[i] >= from - kTurnSlack && (angles[i] <= from + 2 * kPi + kTurnSlack || std::isinf(from)))
+      continue;
+    return fmt::format(
+        "the straight motion arrives with A{} at {:.3f} deg, but {:.0f} to {:.0f} deg are stated", i + 1,
+        angles[i] * kDegPerRad, from * kDegPerRad, from * kDegPerRad + 360);
   }
   return {};
 }
@@ -167,7 +186,10 @@ std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, siz
       reason = "the program begins with a straight motion from an unknown place";
       return std::nullopt;
     }
-    return StraightTarget(program, cell, index, *q, reason);
+    const std::optional<Joints> target = StraightTarget(program, cell, index, *q, reason);
+    if (!target) return std::nullopt;
+    reason = WhyNotAsStated(program, cell, motion, *target);
+    return reason.empty() ? target : std::nullopt;
   }
   if (!q && !(motion.status && motion.turn)) {
     reason = "the first pose has no S and T (STAT and TU), so the configuration is not defined";
@@ -249,7 +271,7 @@ void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay
   const FramedLine line = motion.type == MotionType::kLinear
                               ? LineOf(program, index, start)
                               : FramedLine{ProgrammedLine(start, ForwardFlange(cell.arm, to) * X_FT)};
-  const bool rides = Rides(program, index);
+  const bool rides = CoordinatedMotions(program, index);
   const int steps = StepsOf(line, step, rides ? ExternalParts(program, index, step, kTurnStep) : 0);
   std::vector<Joints> angles;
   if (motion.type == MotionType::kJoint) {

@@ -12,9 +12,9 @@ namespace {
 constexpr size_t kLookAhead = 64;    // planned points that a program may leave out in one step
 constexpr double kSpareLength = 10;  // mm beyond the planned length of a cut that are sampled in any case
 
-bool RidesWithin(const MotionProgram& program, const FeedRun& run) {
+bool CoordinatedWithin(const MotionProgram& program, const FeedRun& run) {
   for (size_t i = run.first; i <= run.last; ++i)
-    if (Rides(program, i)) return true;
+    if (CoordinatedMotions(program, i)) return true;
   return false;
 }
 
@@ -31,8 +31,8 @@ RunComparison::RunComparison(const Replayed& replayed, const FeedRun& run, const
       bodies_(bodies),
       options_(options),
       proofs_(proofs),
-      plan_rides_(RidesWithin(plan.program, plan_run)),
-      rides_(plan_rides_ || RidesWithin(replayed.program, run)),
+      plan_rides_(CoordinatedWithin(plan.program, plan_run)),
+      rides_(plan_rides_ || CoordinatedWithin(replayed.program, run)),
       X_PB_(BaseInPart(cell_, replayed.program.motions[run.first].external)) {}
 
 std::vector<Finding> RunComparison::Compare() {
@@ -47,7 +47,7 @@ std::vector<Finding> RunComparison::Compare() {
   return std::move(findings_);
 }
 
-void RunComparison::HandOn(const MotionLook& look, std::vector<Finding>& findings) const {
+void RunComparison::HandOn(const MotionQuery& look, std::vector<Finding>& findings) const {
   for (size_t begin = 1, end = 1; begin < instants_.size(); begin = end) {  // behind the start of the run
     const size_t motion = instants_[begin].motion;
     while (end < instants_.size() && instants_[end].motion == motion) ++end;
@@ -310,10 +310,11 @@ void RunComparison::ComparePlannedStops() {
   }
 }
 
-/// How far the rounding of the corner behind motion i may leave it.
+/// How far the rounding of the corner behind motion i may leave it; CheckCornerBounds() tells it of those
+/// that the maker does not document.
 void RunComparison::CompareCorner(size_t i) {
   const Motion& motion = replayed_.program.motions[i];
-  if (motion.exact || motion.blend <= 0) return;
+  if (motion.exact || motion.blend <= 0 || !replayed_.program.corner_assumption.empty()) return;
   const Pose before = Tool(i - 1), corner = Tool(i), after = Tool(i + 1);
   CornerRounding rounding = RoundingOf(before, corner, after, motion, replayed_.program.blend_is_distance);
   if (replayed_.program.blend_overlaps) {

@@ -18,7 +18,7 @@ class RunComparison {
 
   std::vector<Finding> Compare();
   /// What Compare() has sampled, motion by motion.
-  void HandOn(const MotionLook& look, std::vector<Finding>& findings) const;
+  void HandOn(const MotionQuery& look, std::vector<Finding>& findings) const;
 
  private:
   const Motion& PlanMotion(size_t segment) const { return plan_.program.motions[plan_run_.first + segment]; }

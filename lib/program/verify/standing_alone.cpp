@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "program/verify/standing_alone.hpp"
 
-#include "program/stated_speeds.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/stated_speeds.hpp"
 #include "program/verify/compare_events.hpp"
 #include "program/verify/stations.hpp"
 

@@ -2,7 +2,7 @@
 #include "program/verify/stations.hpp"
 
 #include "base/units.hpp"
-#include "machine/collision/station_way.hpp"
+#include "machine/collision/station_path.hpp"
 
 namespace millpose {
 namespace {
@@ -34,7 +34,7 @@ struct Station {
 std::vector<Station> StationsOf(const Replayed& replayed) {
   std::vector<Station> stations;
   for (size_t i = 0; i < replayed.program.motions.size(); ++i) {
-    if (i > 0 && (!MovesExternal(replayed.program, i) || Rides(replayed.program, i))) continue;
+    if (i > 0 && (!MovesExternal(replayed.program, i) || CoordinatedMotions(replayed.program, i))) continue;
     const auto runs = std::ranges::count_if(replayed.runs, [i](const FeedRun& run) { return run.first < i; });
     stations.push_back({replayed.program.motions[i].external, i, static_cast<size_t>(runs)});
   }
@@ -68,7 +68,7 @@ bool CheckExternal(const Replayed& replayed, size_t i, const Cell& cell, std::ve
                   fmt::format("{} at {} leaves its limits {} to {}", axes[k].name, ValueText(axes[k], value),
                               ValueText(axes[k], axes[k].lower), ValueText(axes[k], axes[k].upper)));
   }
-  if (!MovesExternal(replayed.program, i) || Rides(replayed.program, i)) return true;
+  if (!MovesExternal(replayed.program, i) || CoordinatedMotions(replayed.program, i)) return true;
   const double turned = (replayed.replay.targets[i] - replayed.replay.targets[i - 1]).cwiseAbs().maxCoeff();
   if (turned > kArmStands)
     return report(Cause::kWay, fmt::format("the arm turns by {:.3f} deg of a joint while the external axes "
@@ -81,7 +81,7 @@ bool CheckExternal(const Replayed& replayed, size_t i, const Cell& cell, std::ve
 
 bool CheckExternalSpeed(const Replayed& replayed, size_t i, double seconds, std::vector<Finding>& findings) {
   const MotionProgram& program = replayed.program;
-  if (!Rides(program, i)) return false;
+  if (!CoordinatedMotions(program, i)) return false;
   for (size_t k = 0; k < program.external_axes.size(); ++k) {
     const ExternalAxis& axis = program.external_axes[k];
     const double speed =
@@ -137,7 +137,7 @@ void CompareStations(const Replayed& replayed, const Replayed& plan, const Verif
 std::optional<Interference> InterferenceOfMove(const Replayed& replayed, size_t i, const World& world,
                                                double resolution) {
   const std::vector<Motion>& motions = replayed.program.motions;
-  return StationWay(world, replayed.replay.targets[i], resolution)
+  return StationPath(world, replayed.replay.targets[i], resolution)
       .Between(motions[i - 1].external, motions[i].external);
 }
 

@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "planning/result/station.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/result/station.hpp"
 #include "program/verify/compare.hpp"
 #include "program/verify/stations.hpp"
 
@@ -25,7 +25,7 @@ class OnPart {
     return (X_WB * ForwardFlange(cell_.arm, q) * cell_.X_FT).translation();
   }
   /// What is at `place` in W with the external axes at `there`, and a direction.
-  Vector3d Place(const Vector3d& place, const ExternalPosition& there) const {
+  Vector3d SourceLocation(const Vector3d& place, const ExternalPosition& there) const {
     return there == external_ ? place : Vector3d(From(there) * place);
   }
   Vector3d Direction(const Vector3d& direction, const ExternalPosition& there) const {
@@ -46,11 +46,11 @@ class OnPart {
 
 /// The way of the tip along one cut, without approach and retract: they lead through places above a point
 /// that is too deep.
-class TipWay {
+class TipPath {
  public:
   /// From the stop at `first` to that at `last`, both as commanded.
-  TipWay(const MotionProgram& program, const Replay& replay, const FeedRun& run, const OnPart& part,
-         const Vector3d& first, const Vector3d& last) {
+  TipPath(const MotionProgram& program, const Replay& replay, const FeedRun& run, const OnPart& part,
+          const Vector3d& first, const Vector3d& last) {
     std::vector<size_t> stops;  // indices of tips
     for (size_t i = run.first; i <= run.last; ++i) {
       if (program.motions[i].exact) stops.push_back(tips_.size());
@@ -101,21 +101,21 @@ class TipWay {
 };
 
 /// The points of a piece that have a commanded pose.
-std::vector<int> PointsOf(const PassResult& pass, const Piece& piece) {
+std::vector<int> PointsOf(const PassResult& pass, const Segment& piece) {
   std::vector<int> points;
   for (int i = piece.first; i <= piece.last; ++i)
     if (pass.points[static_cast<size_t>(i)].compensation) points.push_back(i);
   return points;
 }
 
-const Piece* FindPiece(const PassResult& pass, int number) {
-  const auto found = std::ranges::find(pass.pieces, number, &Piece::piece);
+const Segment* FindSegment(const PassResult& pass, int number) {
+  const auto found = std::ranges::find(pass.pieces, number, &Segment::piece);
   return found == pass.pieces.end() ? nullptr : &*found;
 }
 
 /// How far the points of one cut are off, into `result` where that is more.
 void LookAlong(const MotionProgram& program, const Replay& replay, const FeedRun& run, const Cell& cell,
-               const PassResult& pass, const Piece& piece, UnderLoad& result) {
+               const PassResult& pass, const Segment& piece, UnderLoad& result) {
   const OnPart part(cell, pass.external);
   std::vector<int> points = PointsOf(pass, piece);
   if (points.empty()) return;
@@ -126,9 +126,9 @@ void LookAlong(const MotionProgram& program, const Replay& replay, const FeedRun
   };
   const auto nominal = [&](int point) {
     const auto i = static_cast<size_t>(point);
-    return part.Place(pass.points[i].point.position, ExternalAt(pass, i));
+    return part.SourceLocation(pass.points[i].point.position, ExternalAt(pass, i));
   };
-  TipWay way(program, replay, run, part, commanded(points.front()), commanded(points.back()));
+  TipPath way(program, replay, run, part, commanded(points.front()), commanded(points.back()));
   for (size_t k = 0; k < points.size(); ++k) {
     const auto i = static_cast<size_t>(points[k]);
     const Vector3d wanted = commanded(points[k]);
@@ -149,10 +149,10 @@ UnderLoad ReplayUnderLoad(const MotionProgram& program, const Cell& cell, const 
   const std::vector<FeedRun> runs = FeedRuns(program);
   UnderLoad result;
   size_t run = 0;
-  for (const Gap& gap : plan.gaps) {
+  for (const LinkMove& gap : plan.gaps) {
     if (gap.to_pass < 0 || run == runs.size()) continue;
     const PassResult& pass = plan.passes[static_cast<size_t>(gap.to_pass)];
-    const Piece* piece = FindPiece(pass, gap.to_piece);
+    const Segment* piece = FindSegment(pass, gap.to_piece);
     if (!piece) continue;
     LookAlong(program, replay, runs[run++], cell, pass, *piece, result);
   }

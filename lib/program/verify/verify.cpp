@@ -8,13 +8,14 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/controller_axes.hpp"
 #include "program/stated_speeds.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "program/verify/compare.hpp"
 #include "program/verify/compare_events.hpp"
+#include "program/verify/coordinated_path.hpp"
 #include "program/verify/corner.hpp"
-#include "program/verify/ride_way.hpp"
+#include "program/verify/corner_bound.hpp"
 #include "program/verify/stations.hpp"
 
 namespace millpose {
@@ -125,7 +126,7 @@ class MotionCheck {
       return Eigen::Vector3d(
           (ForwardFlange(cell_.arm, replayed_.replay.targets[k]) * cell_.X_FT).translation());
     };
-    if (!Rides(replayed_.program, i)) return (tip(i) - tip(i - 1)).norm();
+    if (!CoordinatedMotions(replayed_.program, i)) return (tip(i) - tip(i - 1)).norm();
     const auto on_part = [&](size_t k) {
       return Eigen::Vector3d(BaseInPart(cell_, replayed_.program.motions[k].external) * tip(k));
     };
@@ -234,10 +235,10 @@ std::optional<Interference> InterferenceAlong(const Replayed& replayed, size_t i
     AppendInstants(program, world.cell(), replayed.replay, i, kInterferenceStep, instants, said);
   else
     instants.push_back({replayed.replay.targets[i], {}, i, 1});
-  RideWay way{
+  CoordinatedPath way{
       program.motions[i - 1].external, program.motions[i].external, {{0, replayed.replay.targets[i - 1]}}};
   for (const Instant& instant : instants) way.joints.emplace_back(instant.share, instant.q);
-  return FindOnRide(world, way, {share, options.clearance_reserve, options.swept_resolution});
+  return FindOnCoordinatedMotion(world, way, {share, options.clearance_reserve, options.swept_resolution});
 }
 
 /// Checkers of one world by where the external axes stand and the share of the clearances.
@@ -264,7 +265,7 @@ void CheckInterference(const Replayed& replayed, size_t i, const World& world, C
   const Motion& motion = replayed.program.motions[i];
   if (!replayed.replay.reached[i] || motion.call >= 0) return;
   std::optional<Interference> hit;
-  if (Rides(replayed.program, i))
+  if (CoordinatedMotions(replayed.program, i))
     hit = InterferenceAlong(replayed, i, world, share, options);
   else if (MovesExternal(replayed.program, i))
     hit = InterferenceOfMove(replayed, i, world, options.swept_resolution);
@@ -331,20 +332,24 @@ std::vector<Finding> Ordered(std::vector<Finding> findings, const VerifyOptions&
 }  // namespace
 
 std::vector<Finding> Verify(const MotionProgram& program, const World& world, const MotionProgram* plan,
-                            const VerifyOptions& options, const Execution& execution) {
+                            const VerifyOptions& given, const Execution& execution) {
   assert(IsWellFormed(program));
   const Cell& cell = world.cell();
+  VerifyOptions options = given;
   std::vector<Finding> findings;
   if (program.motions.empty())
     return {{program.files.empty() ? "" : program.files[0], 0, "the program moves nothing", Cause::kPath}};
   const Replayed replayed{program, ReplayTargets(program, cell, findings), FeedRuns(program)};
+  // By what nobody knows of its path the tool may come nearer too.
+  const double unknown = CheckCornerBounds(replayed, cell, options, findings);
+  options.clearance_reserve = std::max(0.0, options.clearance_reserve - unknown);
 
   // A program that states its feeds is held to them; for corners its control slows down.
   const MotionCheck check(replayed, cell, options, plan == nullptr && !StatedFeedsOf(program));
   std::vector<Proof> proofs(program.motions.size(), Proof{false, 1});
   if (plan != nullptr) {
     const Replayed planned{*plan, ReplayTargets(*plan, cell, findings), FeedRuns(*plan)};
-    const MotionLook look = [&](size_t i, std::span<const Instant> instants, std::vector<Finding>& found) {
+    const MotionQuery look = [&](size_t i, std::span<const Instant> instants, std::vector<Finding>& found) {
       check.Check(i, instants, found);
     };
     proofs = Compare(replayed, planned, cell, options, look, execution, findings);

@@ -38,6 +38,9 @@ inline constexpr double kSpeedSlack = 1.001;
 struct VerifyOptions {
   double position_tolerance = 0.02;        ///< mm; likewise of a rounded corner
   double angle_tolerance = 0.00034906585;  ///< rad (0.02°); likewise
+  /// mm that a corner whose path the maker does not document may be bounded by (MotionProgram::
+  /// corner_assumption), in place of position_tolerance.
+  double max_corner = 0;
   double step = 0.5;                       ///< mm of tip travel between replayed poses
   Joints lower, upper;                     ///< limits, rad
   std::vector<CoupledLimit> coupled = {};  ///< likewise
@@ -70,7 +73,8 @@ struct VerifyOptions {
 /// inverse time, the envelope of rounded corners) through the arm and tool of `world` and says where it
 /// leaves `plan`, where one is given: order and completeness of the points, tip, tool axis, rotation about
 /// it, configuration, feed, exact stops, spindle, outputs; without one: jumps of the speed; always: reach,
-/// limits, joint speeds, singularity, interference. Detection rests on the replayed motion alone, not on the
+/// limits, joint speeds, singularity, interference, bounds of corners that the maker does not document.
+/// Detection rests on the replayed motion alone, not on the
 /// text, so edits that change no motion pass. Empty = confirmed. Ordered by file and line.
 std::vector<Finding> Verify(const MotionProgram& program, const World& world, const MotionProgram* plan,
                             const VerifyOptions& options, const Execution& execution);

@@ -20,7 +20,7 @@ uint8_t ZoneOfPair(int number) { return static_cast<uint8_t>(kPairZone + std::mi
 std::vector<uint8_t> ZonesOf(const PlannedPoint& point, const PointCurves& curves,
                              const std::vector<int>& pair_numbers) {
   AxisVerdicts verdicts = UnpackVerdicts(point.verdicts);
-  if (point.skip == Obstacle::kNone && !point.freedoms.empty())
+  if (point.skip == Infeasibility::kNone && !point.freedoms.empty())
     verdicts[static_cast<size_t>(point.branch) * kAxisRotations +
              static_cast<size_t>(AxisCellOf(point.freedoms[0]).index)] = kVerdictFree;
   std::vector<uint8_t> zones(8 * curves.state.size(), kOutOfReach);
@@ -28,13 +28,13 @@ std::vector<uint8_t> ZonesOf(const PlannedPoint& point, const PointCurves& curve
     uint8_t& zone = zones[(i % 8) * kAxisRotations + i / 8];
     const int verdict = verdicts[(i % 8) * kAxisRotations + i / 8];
     switch (curves.state[i / 8][i % 8]) {
-      case Obstacle::kUnreachable:
+      case Infeasibility::kUnreachable:
         zone = kOutOfReach;
         break;
-      case Obstacle::kSingular:
+      case Infeasibility::kSingular:
         zone = kSingularZone;
         break;
-      case Obstacle::kLimit:
+      case Infeasibility::kLimit:
         zone = static_cast<uint8_t>(kLimitZone + curves.beyond[i / 8][i % 8]);
         break;
       default:  // admissible: the other obstacles are known of points alone

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/execution.hpp"
+#include "planning/external/stations.hpp"
 #include "planning/pose/scorer.hpp"
 #include "report/html.hpp"
-#include "planning/external/stations.hpp"
 
 namespace millpose {
 

@@ -3,8 +3,8 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "planning/result/station.hpp"
 #include "planning/pose/lean_problem.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {
@@ -20,7 +20,7 @@ struct JudgedPoint {
 
 /// How far a search ended above the optimum, relative; a point that only the exhaustive search could plan
 /// counts as missed altogether.
-double GapOf(double found, double optimum) { return found > 0 ? found / optimum - 1 : 1; }
+double LinkMoveOf(double found, double optimum) { return found > 0 ? found / optimum - 1 : 1; }
 
 /// The judge's optimum; with leans its grid is coarser, and what it finds is brought down to the nearest
 /// local one.
@@ -67,9 +67,9 @@ void JudgeOptima(const Stations& stations, const GeneticOptions& genetic, double
     const double optimum = judged_point.point->exhaustive_optimum;
     if (optimum <= 0) continue;
     ++judged;
-    const double gap = GapOf(judged_point.point->genetic_optimum, optimum);
+    const double gap = LinkMoveOf(judged_point.point->genetic_optimum, optimum);
     good += gap <= kGoodEnough;
-    good_without += GapOf(judged_point.without_table, optimum) <= kGoodEnough;
+    good_without += LinkMoveOf(judged_point.without_table, optimum) <= kGoodEnough;
     figures.ga_worst_gap_percent = std::max(figures.ga_worst_gap_percent, 100 * gap);
   }
   figures.ga_share_within_0p1_percent = Percent(good, judged);

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "planning/result/plan_result.hpp"
-#include "planning/pose/search.hpp"
-#include "report/report.hpp"
 #include "planning/external/stations.hpp"
+#include "planning/pose/search.hpp"
+#include "planning/result/plan_result.hpp"
+#include "report/report.hpp"
 
 namespace millpose {
 

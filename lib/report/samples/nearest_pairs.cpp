@@ -24,7 +24,7 @@ NearestPairs FindNearestPairs(const PlanResult& plan, const Stations& stations, 
   for (const ReportRow& row : RowsToShow(plan, ReportColumns(plan), HtmlLimits().points)) {
     const PassResult& pass = plan.passes[static_cast<size_t>(row.pass)];
     const PlannedPoint& point = pass.points[static_cast<size_t>(row.point)];
-    if (point.skip != Obstacle::kNone) continue;
+    if (point.skip != Infeasibility::kNone) continue;
     nearest[row.number];  // most have none: they are not asked
     if (point.clearance < kPointClearanceBound)
       asked.push_back({row.number, &pass, static_cast<size_t>(row.point)});

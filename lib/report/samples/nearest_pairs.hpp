@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "report/html.hpp"
 #include "planning/external/stations.hpp"
+#include "report/html.hpp"
 
 namespace millpose {
 

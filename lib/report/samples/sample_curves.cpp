@@ -5,8 +5,8 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "planning/result/station.hpp"
 #include "planning/pose/generations.hpp"
+#include "planning/result/station.hpp"
 #include "report/samples/axis_map.hpp"
 
 namespace millpose {
@@ -47,8 +47,9 @@ std::vector<PlanPlace> ChosenPlaces(const PlanResult& plan, size_t most) {
 unsigned Barred(const ScoredBlock& block) {
   unsigned barred = 0;
   for (unsigned branch = 0; branch < 8; ++branch)
-    for (const Obstacle obstacle : block.obstacle[branch])
-      if (obstacle != Obstacle::kNone && obstacle != Obstacle::kUnreachable) barred |= 1u << (branch & 3);
+    for (const Infeasibility obstacle : block.obstacle[branch])
+      if (obstacle != Infeasibility::kNone && obstacle != Infeasibility::kUnreachable)
+        barred |= 1u << (branch & 3);
   return barred;
 }
 
@@ -68,15 +69,15 @@ void SampleRotations(const PointScorer& scorer, const PointScorer& unbounded, co
     if (const unsigned barred = Barred(block); barred != 0) unbounded.ScoreBlock(rotations, barred, free);
     for (size_t l = 0; l < kLanes && first + l < count; ++l) {
       for (size_t branch = 0; branch < 8; ++branch) {
-        const Obstacle state = block.obstacle[branch][l];
+        const Infeasibility state = block.obstacle[branch][l];
         double& objective = curves.objective[first + l][branch];
         curves.state[first + l][branch] = state;
         objective = std::numeric_limits<double>::infinity();
-        if (state == Obstacle::kNone)
+        if (state == Infeasibility::kNone)
           objective = block.objective[branch].v[l];
-        else if (state != Obstacle::kUnreachable && free.obstacle[branch][l] == Obstacle::kNone)
+        else if (state != Infeasibility::kUnreachable && free.obstacle[branch][l] == Infeasibility::kNone)
           objective = free.objective[branch].v[l];
-        if (state != Obstacle::kLimit) continue;
+        if (state != Infeasibility::kLimit) continue;
         const Joints q = CandidateOf(block, static_cast<int>(branch), static_cast<int>(l)).q;
         curves.beyond[first + l][branch] =
             static_cast<uint8_t>(FarthestBeyond(scorer.problem().bounds, q).joint);

@@ -37,7 +37,10 @@
     m.fillSkipped(data);
     m.fillGaps(data);
     m.fillDeflection(data);
+    m.fillBudget(data);
+    m.fillReversals(data);
     m.fillFixed(data);
+    m.fillFace(data);
     m.fillPrice(data);
     m.fillPaper(data);
     $("settings-text").textContent = data.settings;
@@ -91,7 +94,7 @@
     if (scene) {
       $("fit").addEventListener("click", () => scene.fit(false));
       $("fit-arm").addEventListener("click", () => scene.fit(true));
-      for (const name of ["part", "cell", "arm", "gaps", "nearest"]) $("show-" + name).addEventListener("change", (e) => scene.show(name, e.target.checked));
+      for (const name of ["part", "cell", "arm", "gaps", "marks", "nearest"]) $("show-" + name).addEventListener("change", (e) => scene.show(name, e.target.checked));
     }
 
     const firstWorst = recolour();

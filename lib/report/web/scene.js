@@ -26,6 +26,7 @@
       this.path = new m.ScenePath(this.scene, data);
       this.addBodies();
       this.groups.gaps = this.path.ways;
+      this.groups.marks = this.path.marks;
       this.triad = new m.Triad(parent);
       this.marker = m.element("div", { class: "marker" }, m.element("span"));
       this.worst = m.element("div", { class: "marker worst" }, m.element("span"));
@@ -174,8 +175,8 @@
       this.orbit.aim(this.camera);
       this.lamp.position.copy(this.camera.position);
       this.lamp.target.position.copy(this.orbit.target);
-      this.path.material.uniforms.height.value = height;
-      this.path.material.uniforms.ratio.value = ratio;
+      for (const material of [this.path.material, this.path.markMaterial]) material.uniforms.height.value = height;
+      for (const material of [this.path.material, this.path.markMaterial]) material.uniforms.ratio.value = ratio;
       this.renderer.render(this.scene, this.camera);
       this.triad.draw(this.camera);
       const place = (row) => (row === undefined || row < 0 ? null : m.place(this.data, row));

@@ -68,7 +68,23 @@
       this.ways = new THREE.Group();
       if (data.timeline) this.addWays();
       this.drawn = [lines, points];
-      scene.add(lines, points, this.ways);
+      this.marks = this.marksOf(data);
+      scene.add(lines, points, this.ways, this.marks);
+    }
+    // Rings around the points at which a joint turns back.
+    marksOf(data) {
+      const column = data.column.reversal, at = [];
+      for (let i = 0; column && i < data.count; ++i) if (column.values[i] > 0) at.push(...data.rows.position.subarray(3 * i, 3 * i + 3));
+      const count = at.length / 3, red = rgbOf(m.RED), geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(at), 3));
+      geometry.setAttribute("color", new THREE.BufferAttribute(new Float32Array(3 * count).map((_, i) => red[i % 3]), 3));
+      geometry.setAttribute("ring", new THREE.BufferAttribute(new Float32Array(count).fill(1), 1));
+      const marks = new THREE.Points(geometry, pointMaterial(2.2 * spacing(data)));
+      marks.frustumCulled = false;
+      marks.material.transparent = true;
+      marks.renderOrder = 2;
+      this.markMaterial = marks.material;
+      return marks;
     }
     show(on) {
       this.shown = on;

@@ -148,6 +148,20 @@
     section.querySelector("p").textContent = `Heaviest mean force on the tool (feed, across, axis): ${force} N. ${face} What it is: ${d.model}.`;
   };
 
+  // What is known of the error of the face, source by source.
+  m.fillBudget = function (data) {
+    const section = document.getElementById("budget");
+    if (!data.budget) section.remove();
+    else section.querySelector("tbody").append(...data.budget.map(([name, value, basis]) => m.element("tr", {}, cell(name), cell(value, true), cell(basis))));
+  };
+
+  // Where joints turn back, and what that leaves.
+  m.fillReversals = function (data) {
+    const section = document.getElementById("reversals");
+    if (!data.reversals) section.remove();
+    else section.querySelector("p").textContent = `Reversals: ${data.reversals}.`;
+  };
+
   // What the best rotations that stay the same would have given.
   m.fillFixed = function (data) {
     const section = document.getElementById("fixed");

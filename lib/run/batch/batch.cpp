@@ -10,12 +10,12 @@
 #include "base/file.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
+#include "report/summary_version.hpp"
 #include "run/batch/run_here.hpp"
 #include "run/batch/slurm.hpp"
 #include "run/pipeline/operations/run_job.hpp"
-#include "store/output_folder.hpp"
 #include "run/pipeline/outputs/up_to_date.hpp"
-#include "report/summary_version.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -31,7 +31,7 @@ void RefuseLinks(const Folder& folder, const std::vector<BatchJob>& jobs) {
   std::vector<Problem> problems;
   for (const BatchJob& job : jobs)
     if (folder.KindOf(job.name) == Folder::Kind::kOther)
-      problems.push_back({Place{(folder.path() / job.name).string()},
+      problems.push_back({SourceLocation{(folder.path() / job.name).string()},
                           "is a symbolic link or the like; allowed for the folder of a job: a folder"});
   if (!problems.empty()) throw InputError(std::move(problems));
 }
@@ -86,6 +86,22 @@ std::vector<std::string> FindingsOf(const Json& summary) {
     findings.push_back(fmt::format("{} more, in summary.json", more));
   }
   return findings;
+}
+
+// Programs that are confirmed but for a stated gap, one line each controller.
+std::vector<std::string> RemarksOf(const Json& summary) {
+  std::vector<std::string> remarks;
+  for (const Json& program : summary.value("programs", Json::array())) {
+    const Json bound = program.value("but_for", Json());
+    if (bound.is_null()) continue;
+    const std::string remark = fmt::format(
+        "{}: confirmed but for a stated gap: the corner's path, bounded by {:.4f} mm and {:.4f} "
+        "deg, provided that {}",
+        program.at("controller").get<std::string>(), bound.at("bound_mm").get<double>(),
+        bound.at("bound_deg").get<double>(), bound.at("assumption").get<std::string>());
+    if (std::ranges::find(remarks, remark) == remarks.end()) remarks.push_back(remark);
+  }
+  return remarks;
 }
 
 std::optional<double> NumberAt(const Json& json, const char* place) {
@@ -154,6 +170,7 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
     outcome.points = summary.at("points").at("total").get<size_t>();
     outcome.planned = summary.at("points").at("planned").get<size_t>();
     outcome.figures = FiguresOf(summary, folder);
+    outcome.remarks = RemarksOf(summary);
     outcome.cause = Shortfall(summary);
     if (!outcome.cause.empty()) outcome.status = 1;
     if (outcome.status == 1) outcome.findings = FindingsOf(summary);

@@ -68,6 +68,7 @@ struct JobOutcome {
   bool up_to_date = false;            ///< done by an earlier run with the same inputs
   std::string cause;                  ///< lines, empty when all is well
   std::vector<std::string> findings;  ///< of a plan that is not complete: which points, gaps, programs
+  std::vector<std::string> remarks;   ///< of programs: confirmed but for a stated gap
   std::optional<size_t> points, planned;
   std::optional<JobFigures> figures;
   double wall_s = 0, peak_memory_MB = 0;

@@ -5,9 +5,9 @@
 #include <array>
 
 #include "base/text.hpp"
-#include "run/batch/batch.hpp"
-#include "report/page/escaped.hpp"
 #include "report/html_columns.hpp"
+#include "report/page/escaped.hpp"
+#include "run/batch/batch.hpp"
 
 namespace millpose {
 namespace {
@@ -214,7 +214,9 @@ std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobO
     html += fmt::format("</td><td{}>{}</td><td>{}</td>", outcome.status > 0 ? " class=\"bad\"" : "",
                         OutcomeWord(outcome), Escaped(objective));
     for (const Column& column : Columns()) html += CellHtml(column, outcome);
-    html += fmt::format("<td class=\"cause\">{}</td></tr>\n", Escaped(outcome.cause));
+    std::string told = outcome.cause;
+    for (const std::string& remark : outcome.remarks) told += (told.empty() ? "" : "\n") + remark;
+    html += fmt::format("<td class=\"cause\">{}</td></tr>\n", Escaped(told));
   }
   return html + kTail;
 }

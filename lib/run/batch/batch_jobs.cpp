@@ -4,10 +4,10 @@
 #include <set>
 
 #include "base/error.hpp"
-#include "run/batch/batch.hpp"
-#include "store/output_folder.hpp"
 #include "program/calling_program.hpp"
 #include "program/program_name.hpp"
+#include "run/batch/batch.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -81,7 +81,7 @@ void AddFolder(const fs::path& folder, const FileRoot& outer_root, std::vector<B
   for (const fs::path& file : files)
     if (HasKey(root.Read(file), "millpose_job")) AddFile(file, root, jobs);
   if (jobs->size() == before)
-    throw InputError(Place{folder.string()}, "holds no job file (*.yaml with the key millpose_job)");
+    throw InputError(SourceLocation{folder.string()}, "holds no job file (*.yaml with the key millpose_job)");
 }
 
 void AddPattern(const std::string& pattern, const FileRoot& root, std::vector<BatchJob>* jobs) {
@@ -91,7 +91,7 @@ void AddPattern(const std::string& pattern, const FileRoot& root, std::vector<Ba
   for (size_t i = 0; status == 0 && i < found.gl_pathc; ++i) files.emplace_back(found.gl_pathv[i]);
   ::globfree(&found);
   if (files.empty())
-    throw InputError(Place{pattern},
+    throw InputError(SourceLocation{pattern},
                      "names nothing; allowed: job files, manifests, folders, patterns like 'parts/*.yaml'");
   for (const std::string& file : files)
     if (fs::is_directory(file))
@@ -108,13 +108,13 @@ void RefuseDoubles(const std::vector<BatchJob>& jobs) {
     // What stands in the batch's own folder besides those of its jobs.
     if (job.name == "slurm" || job.name == "batch.json" || job.name == "batch.csv" ||
         job.name == "index.html" || job.name == "junit.xml")
-      problems.push_back({Place{job.file.string()},
+      problems.push_back({SourceLocation{job.file.string()},
                           fmt::format("name: {} is what the batch calls a file of its own; give the "
                                       "job another in a manifest",
                                       job.name)});
     else if (!is_new)
       problems.push_back(
-          {Place{job.file.string()},
+          {SourceLocation{job.file.string()},
            fmt::format("name: {} is also the name of {}; give one of them another in a manifest", job.name,
                        first->second.string())});
   }
@@ -159,7 +159,7 @@ void RefuseMeetingPrograms(const std::vector<BatchJob>& jobs) {
       if (other == first.end() || other->second == i) continue;
       const BatchJob& one = jobs[other->second];
       problems.push_back(
-          {Place{jobs[i].file.string()},
+          {SourceLocation{jobs[i].file.string()},
            fmt::format("name: programs of {} and of {} ({}) are both called {}; give one of the "
                        "jobs another name",
                        jobs[i].name, one.name, one.file.string(), other->first)});
@@ -186,7 +186,7 @@ std::vector<BatchJob> CollectJobs(const std::vector<std::string>& arguments, con
     }
   }
   if (!problems.empty()) throw InputError(std::move(problems));
-  if (jobs.empty()) throw InputError(Place{}, "batch: no job is given");
+  if (jobs.empty()) throw InputError(SourceLocation{}, "batch: no job is given");
   RefuseDoubles(jobs);
   RefuseMeetingPrograms(jobs);
   return jobs;

@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text.hpp"
-#include "run/batch/batch.hpp"
 #include "report/page/escaped.hpp"
+#include "run/batch/batch.hpp"
 
 namespace millpose {
 namespace {
@@ -55,6 +55,19 @@ Json FiguresJson(const std::optional<JobFigures>& figures) {
           {"cycle_s", number(figures->cycle_s)}};
 }
 
+// How the element of a job that is done ends.
+std::string RemarksXml(const JobOutcome& outcome) {
+  if (outcome.remarks.empty()) return "/>\n";
+  return fmt::format("><system-out>{}</system-out></testcase>\n",
+                     Escaped(fmt::format("{}", fmt::join(outcome.remarks, "\n"))));
+}
+
+// What a line of the table says behind its figures.
+std::string Told(const JobOutcome& outcome) {
+  if (!outcome.cause.empty() || outcome.remarks.empty()) return FirstLine(outcome.cause);
+  return fmt::format("{}", fmt::join(outcome.remarks, "; "));
+}
+
 std::string Count(const std::optional<size_t>& count) { return count ? std::to_string(*count) : "–"; }
 
 }  // namespace
@@ -78,6 +91,7 @@ std::string BatchJson(const std::vector<BatchJob>& jobs, const std::vector<JobOu
                             {"up_to_date", outcome.up_to_date},
                             {"cause", outcome.cause.empty() ? Json() : Json(outcome.cause)},
                             {"findings", outcome.findings},
+                            {"remarks", outcome.remarks},
                             {"points", count(outcome.points)},
                             {"planned", count(outcome.planned)},
                             {"figures", FiguresJson(outcome.figures)},
@@ -99,7 +113,7 @@ std::string JUnitXml(const std::vector<BatchJob>& jobs, const std::vector<JobOut
     xml += fmt::format("  <testcase classname=\"millpose.plan\" name=\"{}\" time=\"{:.3f}\"",
                        Escaped(jobs[i].name), outcome.wall_s);
     if (outcome.status == 0) {
-      xml += "/>\n";
+      xml += RemarksXml(outcome);
       continue;
     }
     std::string message = FirstLine(outcome.cause), text = outcome.cause;
@@ -120,7 +134,7 @@ std::string BatchText(const std::vector<BatchJob>& jobs, const std::vector<JobOu
     const JobOutcome& outcome = outcomes[i];
     text += fmt::format("{:<{}}  {:<10} {:>8} {:>8} {:>9.1f} {:>9.0f}  {}\n", jobs[i].name, width,
                         StatusName(outcome), Count(outcome.points), Count(outcome.planned), outcome.wall_s,
-                        outcome.peak_memory_MB, FirstLine(outcome.cause));
+                        outcome.peak_memory_MB, Told(outcome));
   }
   text +=
       fmt::format("{} jobs: {} done, {} with findings, {} failed\n", jobs.size(), CountStatus(outcomes, 0, 0),

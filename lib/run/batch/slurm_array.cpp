@@ -25,7 +25,7 @@ constexpr const char* kSubmitted = "submitted";
 std::string ShellWord(const std::string& word) {
   if (std::ranges::any_of(word, [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; }))
     throw InputError(
-        Place{Shown(word)},
+        SourceLocation{Shown(word)},
         "holds a control character (a line feed, a tab, …); allowed with --slurm: names without");
   std::string quoted = "'";
   for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -69,7 +69,7 @@ std::string IdOf(const std::string& answer) {
   const bool is_id = !id.empty() && std::ranges::all_of(id, [](char c) { return c >= '0' && c <= '9'; });
   if (!is_id || answer.size() > line.size() + 1)
     throw InputError(
-        Place{"sbatch"},
+        SourceLocation{"sbatch"},
         fmt::format("answered \"{}\", which is no job id; allowed: what sbatch --parsable prints, "
                     "like 4711 or 4711;cluster",
                     Shown(answer)));
@@ -117,7 +117,8 @@ std::vector<std::string> SlurmArray::SubmitTasks(const std::vector<size_t>& task
     command.push_back(std::to_string(first));
     const ProcessResult result = RunProcess(command, stop);
     if (result.status != 0)
-      throw InputError(Place{"sbatch"}, fmt::format("refused the tasks: {}", Shown(result.errors, 400)));
+      throw InputError(SourceLocation{"sbatch"},
+                       fmt::format("refused the tasks: {}", Shown(result.errors, 400)));
     ids.push_back(IdOf(result.output));
     folder_.Write(kSubmitted, ReadOr(folder_, kSubmitted, "") + ids.back() + '\n');
   }

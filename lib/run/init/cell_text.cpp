@@ -318,17 +318,9 @@ std::string SampleCellText(const std::string& name) {
     return text;
   }
   const std::string near = NearestName(name, names);
-  throw InputError(Place{}, fmt::format("--arm: given {}; allowed: a URDF file, or one of {}{}", name,
-                                        fmt::join(names, ", "), near.empty() ? "" : "; nearest: " + near));
-}
-
-std::string WithBall(std::string cell) {
-  constexpr std::string_view kFlat = "cutter: {shape: flat";
-  const size_t at = cell.find(kFlat);
-  if (at != std::string::npos)
-    cell.replace(at, kFlat.size(),
-                 "# GUESS: a ball, since the part's curved facets are rough.\n  cutter: {shape: ball");
-  return cell;
+  throw InputError(SourceLocation{},
+                   fmt::format("--arm: given {}; allowed: a URDF file, or one of {}{}", name,
+                               fmt::join(names, ", "), near.empty() ? "" : "; nearest: " + near));
 }
 
 std::string UrdfCellText(const UrdfChoice& choice, const fs::path& folder) {

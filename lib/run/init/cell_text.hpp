@@ -13,9 +13,6 @@ std::string YamlPath(const std::filesystem::path& file, const std::filesystem::p
 /// The sample cell of this name. Throws InputError for a name that none has.
 std::string SampleCellText(const std::string& name);
 
-/// The cell with a ball for its flat cutter.
-std::string WithBall(std::string cell);
-
 struct UrdfChoice {
   std::filesystem::path file;          ///< absolute
   std::string base_link, flange_link;  ///< empty: what suits

@@ -17,70 +17,30 @@
 #include "job/assemble.hpp"
 #include "job/config/config.hpp"
 #include "job/plausible.hpp"
+#include "job/split_sections.hpp"
 #include "job/step_meshes.hpp"
+#include "run/init/cell_cutters.hpp"
 #include "run/init/cell_text.hpp"
 #include "run/init/facing_groups.hpp"
 #include "run/init/job_text.hpp"
+#include "run/init/path_job.hpp"
 #include "run/init/place_part.hpp"
-#include "run/pipeline/outputs/run.hpp"
-#include "store/remove_folder.hpp"
+#include "run/init/work_folder.hpp"
+#include "run/pipeline/stages/plan_job.hpp"
+#include "store/folder_checkpoints.hpp"
+#include "toolpath/cam/cam_path.hpp"
 
 namespace millpose {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostGroups = 8;  // of a part that are tried
-constexpr int kMostPlans = 6;      // that may fail before init gives up
+constexpr size_t kMostGroups = 8;     // of a part that are tried
+constexpr int kMostPlans = 6;         // that may fail before init gives up
+constexpr size_t kTriedPoints = 150;  // of a tool path that a trial plans, about
 constexpr double kSmallPatch = 0.25;
 constexpr double kMostLift = 0.5;  // mm: what rough facets ask for; more is another face in the way
 constexpr size_t kPlacesEach = 2;  // of a tool path that are planned
-
-constexpr std::array kWritten = {"cell.yaml", "job.yaml"};
-
-/// The folder that init works in: beside the one to come, so that relative paths hold in both. It outlives a
-/// kill and an interrupt: the next init for the same folder finds what was planned there, goes on, and
-/// removes it.
-class WorkFolder {
- public:
-  static fs::path PathFor(const fs::path& out) {
-    return out.parent_path() / fmt::format(".{}.init", out.filename().string());
-  }
-
-  explicit WorkFolder(const fs::path& out) : path_(PathFor(out)) {
-    for (fs::path parent = path_.parent_path(); !Exists(parent); parent = parent.parent_path())
-      made_.push_back(parent);
-    folder_.emplace(path_, FolderUse::kResults);
-  }
-  ~WorkFolder() {
-    if (stays_) return;
-    try {
-      RemoveOutputFolder(*folder_);
-    } catch (const InputError&) {  // what cannot be removed stays; the files that count are not in it
-    }
-    std::error_code ignored;
-    for (const fs::path& parent : made_) fs::remove(parent, ignored);  // only where nothing is in it
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-
-  /// Leaves it to the next init.
-  void Stay() { stays_ = true; }
-
-  fs::path CellFile() const { return path_ / kWritten[0]; }
-  /// Not job.yaml: in a folder of millpose's that is the resolved job of a plan.
-  fs::path Job() const { return path_ / "first_job.yaml"; }
-  void WriteCell(const std::string& text) const { folder_->Write(kWritten[0], text); }
-  void WriteJob(const std::string& text) const { folder_->Write("first_job.yaml", text); }
-  /// The output folder of a trial, from 1.
-  fs::path Trial(int number) const { return path_ / fmt::format("trial_{}", number); }
-
- private:
-  fs::path path_;
-  std::vector<fs::path> made_;  ///< parents that were missing, the innermost first
-  std::optional<OutputFolder> folder_;
-  bool stays_ = false;
-};
 
 fs::path FileOf(const fs::path& given) {
   if (!Exists(given)) throw InputError({given.string()}, "no such file");
@@ -148,6 +108,7 @@ class Init {
     }
     job_.name = JobName(part_);
     job_.part = YamlPath(part_, out_);
+    if (LooksLikeCamPath(ReadFile(part_))) return WorkOnPath();
     job_.unit = UnitOfPart();
     ReadDraft();
     const std::vector<FacingGroup> groups = FindFacingGroups(draft_.part->import.mesh, kMostGroups);
@@ -164,10 +125,57 @@ class Init {
           job_.group = group;
           job_.strategy = strategy;
           job_.patch_half = share * PatchHalf(draft_.reach);
-          if (TryGroup()) return Publish();
+          if (TryGroup()) return Publish(RegionText());
           if (failed_plans_ >= kMostPlans) Refuse(groups);
         }
     Refuse(groups);
+  }
+
+  /// A CAM file's own path, an operation for each of its sections.
+  InitOutcome WorkOnPath() {
+    if (arguments_.unit)
+      throw InputError({part_.string()},
+                       "--unit: given for a CAM file; it says its unit (toolpath.cam.unit)");
+    TakeCell();
+    work_->WriteJob(PathJobText(job_, {}, cell_));
+    sections_ = SectionsOf(LoadJobInputs(work_->Job()));
+    if (sections_.empty()) throw InputError({part_.string()}, "the CAM path holds no cut");
+    if (!arguments_.cell) {
+      cell_text_ = WithCutters(cell_text_, sections_);
+      work_->WriteCell(cell_text_);
+      TakeCell();
+    }
+    const FacingGroup path = GroupOfPath(WritePathJob());
+    CheckSize((path.upper - path.lower).maxCoeff());
+    for (const Placement& placement : PlacesOfPath(WritePathJob(), kPlacesEach, stop_)) {
+      job_.placement = placement;
+      const std::vector<PathOperation> operations = WritePathJob();
+      if (!Plans([&](const CheckpointStore& kept, const Execution& execution) {
+            return TryOperations(operations, kTriedPoints, kept, execution);
+          }))
+        continue;
+      std::vector<std::string> names;
+      for (const PathOperation& operation : operations)
+        names.push_back(operation.inputs.job.operation.empty() ? operation.inputs.cell.tool.name
+                                                               : operation.inputs.job.operation);
+      return Publish(fmt::format("path       {} operation{}: {}\n", names.size(), names.size() > 1 ? "s" : "",
+                                 fmt::join(names, ", ")));
+    }
+    throw InputError(
+        {part_.string()},
+        fmt::format(
+            "no place before the arm was found at which the path can be planned completely{}; allowed: "
+            "another arm, or a job written by hand (docs/cam-import.md)",
+            tried_.problem.empty() ? "" : ", the last for: " + tried_.problem));
+  }
+
+  /// The path's job at the placement of now, and its operations as they are laid.
+  std::vector<PathOperation> WritePathJob() {
+    if (!cell_.tools.empty()) job_.tool = ToolOfSection(sections_[0], 1, cell_, part_.string());
+    std::string text = PathJobText(job_, sections_[0], cell_);
+    work_->WriteJob(text);
+    if (sections_.size() > 1) work_->WriteJob(SplitIntoOperations(text, LoadJobInputs(work_->Job())));
+    return LayPathOperations(work_->Job(), stop_);
   }
 
   /// Nothing of the user's is written over; with a cell of the user's own only the job is written.
@@ -193,18 +201,24 @@ class Init {
     return ReadMesh(bytes, part_.string(), {}).stated_unit.value_or(1);
   }
 
-  void ReadDraft() {
+  /// Reads the cell, its first tool where none is named; says how the arm was understood.
+  void TakeCell() {
     std::map<std::string, std::string> body_bytes;
     CellSettings cell = LoadCell(cell_file_, &body_bytes);
     SelectTool(arguments_.tool.empty() && !cell.tools.empty() ? cell.tools.front().name : arguments_.tool,
                &cell);
     if (!cell.tools.empty()) job_.tool = cell.tool.name;
     const Cell made = MakeCell(cell, body_bytes);
-    arguments_.say(fmt::format("arm                 {}, reach {:.4g} mm\n", cell.arm.name, Reach(made)) +
-                   ToText(DescribeArrival(cell, made)));
+    if (draft_.reach == 0)
+      arguments_.say(fmt::format("arm                 {}, reach {:.4g} mm\n", cell.arm.name, Reach(made)) +
+                     ToText(DescribeArrival(cell, made)));
     RefuseDoubts(cell, made);
     draft_.reach = Reach(made);
     cell_ = std::move(cell);
+  }
+
+  void ReadDraft() {
+    TakeCell();
     work_->WriteJob(JobText(job_, cell_));
     draft_.inputs = LoadJobInputs(work_->Job());
     progress_.Begin(SurfaceStage(draft_.inputs), 0);
@@ -267,27 +281,37 @@ class Init {
     for (const Placement& placement :
          ReachedPlacements(draft_.inputs, mesh, made.toolpath, likely, kPlacesEach, stop_)) {
       job_.placement = placement;
-      if (Plans()) return true;
-      if (++failed_plans_ >= kMostPlans) return false;
+      if (PlansPart()) return true;
+      if (failed_plans_ >= kMostPlans) return false;
     }
     return false;
   }
 
-  /// What counts is `plan` itself. The folders of earlier trials stay until the end: an init that goes on
-  /// finds their plans.
-  bool Plans() {
-    work_->WriteJob(JobText(job_, cell_));
-    PlanArguments plan;
-    plan.job = work_->Job();
-    plan.out = work_->Trial(failed_plans_ + 1);
-    plan.threads = arguments_.threads;
-    const std::string trial = fmt::format("trial {}", failed_plans_ + 1);
+  /// A coarse trial: every n-th pass and the ways between these. The folders of earlier trials stay until the
+  /// end: an init that goes on finds what was planned in them.
+  bool Plans(const std::function<TriedJob(const CheckpointStore&, const Execution&)>& plan) {
+    const std::string trial = fmt::format("trial {} (coarse)", failed_plans_ + 1);
     NamedProgress told(progress_, trial);
-    const PlanOutcome outcome = RunPlan(plan, told, stop_);
+    const OutputFolder kept(work_->Trial(failed_plans_ + 1), FolderUse::kCheckpoints);
+    tried_ = plan(FolderCheckpoints(kept, true), {arguments_.threads, told, stop_});
+    failed_plans_ += tried_.problem.empty() ? 0 : 1;
     progress_.Begin(trial, 0);
-    progress_.End(outcome.exit_status == 0 ? "planned completely"
-                                           : "not planned completely; another place or region is tried");
-    return outcome.exit_status == 0;
+    progress_.End(fmt::format("{} of {} points: {}", tried_.points, tried_.of_points,
+                              tried_.problem.empty()
+                                  ? "planned completely"
+                                  : tried_.problem + "; another place or region is tried"));
+    return tried_.problem.empty();
+  }
+
+  bool PlansPart() {
+    const std::string text = JobText(job_, cell_);
+    work_->WriteJob(text);
+    draft_.inputs.job = ParseJob(text, work_->Job().string());
+    draft_.inputs.hash = HashOf(draft_.inputs);
+    CheckPrograms(draft_.inputs);
+    return Plans([&](const CheckpointStore& kept, const Execution& execution) {
+      return TryJob(draft_.inputs, kTriedPoints, kept, execution);
+    });
   }
 
   [[noreturn]] void Refuse(const std::vector<FacingGroup>& groups) const {
@@ -310,7 +334,15 @@ class Init {
     if (Exists(work_->CellFile()) && ReadFile(cell) == ReadFile(work_->CellFile())) RemoveAll(cell);
   }
 
-  InitOutcome Publish() {
+  std::string RegionText() const {
+    const FacingGroup& group = job_.group;
+    return fmt::format("region     {}{:.0f} mm², about {:.1f}, {:.1f}, {:.1f} mm on the part\n",
+                       group.flat ? "a plane face, " : "a curved face, ", group.area, group.seed.x(),
+                       group.seed.y(), group.seed.z());
+  }
+
+  /// `what`: a line on what is milled.
+  InitOutcome Publish(const std::string& what) {
     RefuseTaken();  // somebody may have written there meanwhile
     const bool made = !Exists(out_);
     MakeFolders(out_);
@@ -323,21 +355,18 @@ class Init {
       if (made) fs::remove(out_, ignored);
       throw;
     }
-    const FacingGroup& group = job_.group;
-    InitOutcome outcome{out_, ""};
-    const fs::path shown = arguments_.out.value_or(arguments_.part.stem());
-    outcome.text = fmt::format(
-        "{10}wrote      {0}/job.yaml\n"
-        "region     {1}{2:.0f} mm², about {3:.1f}, {4:.1f}, {5:.1f} mm on the part\n"
-        "place      {6}, {7:.1f}, {8:.1f}, {9:.1f} mm in the world\n"
-        "it plans   millpose plan {0}/job.yaml\n"
-        "to do      every line marked GUESS: measure or replace it\n",
-        shown.string(), group.flat ? "a plane face, " : "a curved face, ", group.area, group.seed.x(),
-        group.seed.y(), group.seed.z(), job_.placement.upright ? "upright before the arm" : "facing up",
-        job_.placement.X_WP.translation().x(), job_.placement.X_WP.translation().y(),
-        job_.placement.X_WP.translation().z(),
-        arguments_.cell ? "" : fmt::format("wrote      {}/cell.yaml\n", shown.string()));
-    return outcome;
+    const std::string shown = arguments_.out.value_or(arguments_.part.stem()).string();
+    const Eigen::Vector3d place = job_.placement.X_WP.translation();
+    return {out_, fmt::format(
+                      "{}wrote      {}/job.yaml\n{}"
+                      "place      {}, {:.1f}, {:.1f}, {:.1f} mm in the world\n"
+                      "tried      coarsely: {} of {} points in {} of {} passes and the ways between them; no "
+                      "programs\n"
+                      "next       millpose plan {}/job.yaml\n"
+                      "to do      every line marked GUESS: measure or replace it\n",
+                      arguments_.cell ? "" : fmt::format("wrote      {}/cell.yaml\n", shown), shown, what,
+                      job_.placement.upright ? "upright before the arm" : "facing up", place.x(), place.y(),
+                      place.z(), tried_.points, tried_.of_points, tried_.passes, tried_.of_passes, shown)};
   }
 
   const InitArguments& arguments_;
@@ -351,6 +380,8 @@ class Init {
   CellSettings cell_;
   Draft draft_{};
   int failed_plans_ = 0;
+  TriedJob tried_;
+  std::vector<CamSection> sections_;  ///< of a CAM file
 };
 
 }  // namespace

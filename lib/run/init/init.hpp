@@ -31,7 +31,8 @@ struct InitOutcome {
   std::string text;  ///< what was chosen, for the user
 };
 
-/// Chooses region, strategy and place, and keeps the first choice that `plan` plans whole; then cell.yaml and
+/// Chooses region, strategy and place, and keeps the first choice that a coarse trial plans whole (TryJob: a
+/// sample of the passes, no programs); then cell.yaml and
 /// job.yaml are moved to the folder, job.yaml alone where the user has a cell. Throws InputError for bad
 /// input, where one of the two files stands already, for a part that no arm of this reach gets round, and
 /// where nothing plans; Interrupted. Nothing is left behind then.

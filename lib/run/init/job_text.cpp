@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/angles.hpp"
 #include "base/text.hpp"
-#include "program/controller_axes.hpp"
 
 namespace millpose {
 namespace {
@@ -49,6 +49,40 @@ std::string RegionText(const FirstJob& job, double half, double rim) {
   return text;
 }
 
+/// Down to the part's place; `part`: the lines of what it is.
+std::string HeadText(const FirstJob& job, const std::string& part) {
+  return fmt::format(
+      "# Written by `millpose init`; it can be planned as it is. What the program could not know is marked "
+      "GUESS:\n"
+      "# measure or replace it before a program goes to a machine. Keys: docs/yaml-reference.md.\n"
+      "millpose_job: 1\nname: {}\ncell: {}\n{}seed: 1\nworkpiece:\n{}  frame: world\n"
+      "  # GUESS: a place in front of the arm, {}. Measure where the part is, or give\n"
+      "  # `targets` in place of `pose`: places on the part and where a tracker saw them "
+      "(docs/mesh-import.md).\n"
+      "  pose: {{xyz_mm: {}, abc_deg: {}}}\n",
+      job.name, job.cell, job.tool.empty() ? "" : fmt::format("tool: {}\n", job.tool), part,
+      job.placement.upright ? "what is milled upright like a wall" : "what is milled facing up",
+      Vector(job.placement.X_WP.translation(), 1),
+      Vector(AnglesZyx(job.placement.X_WP.linear()) * kDegPerRad, 3));
+}
+
+std::string ProcessText(bool large, double rpm) {
+  return fmt::format(
+      "# GUESS: feeds and speed. They follow from cutter, material and spindle.\n"
+      "process:\n  feed_mm_min: {}\n  plunge_feed_mm_min: {}                  # towards the material\n"
+      "  retract_feed_mm_min: 2000\n  spindle_rpm: {}\n"
+      "  # With material, teeth and depth poses are chosen by the computed cutting force "
+      "(docs/process-force.md):\n"
+      "  # cutting: {{material: 5A06, teeth: 4, depth_mm: 1}}\n",
+      large ? 600 : 300, large ? 200 : 100, rpm);
+}
+
+std::string ProgramsText(const CellSettings& cell) {
+  std::vector<std::string> controllers;
+  for (const auto& [controller, options] : cell.controllers) controllers.push_back(controller);
+  return fmt::format("programs: [{}]\n", fmt::join(controllers, ", "));
+}
+
 }  // namespace
 
 double PatchHalf(double reach) { return std::round(0.05 * reach / 10) * 10; }
@@ -61,22 +95,7 @@ std::string JobText(const FirstJob& job, const CellSettings& cell) {
   const int percent = pad ? 60 : job.strategy == FirstStrategy::kBall ? 20 : 50;
   const double stepover = std::max(0.1, std::round(diameter * percent / 10) / 10);
   const double spacing = std::max(5.0, std::ceil(length * width / stepover / kWantedPoints));
-  std::string text =
-      "# Written by `millpose init`; it can be planned as it is. What the program could not know is marked "
-      "GUESS:\n"
-      "# measure or replace it before a program goes to a machine. Keys: docs/yaml-reference.md.\n";
-  text += fmt::format(
-      "millpose_job: 1\nname: {}\ncell: {}\n{}seed: 1\nworkpiece:\n  mesh: {}\n  unit: {}\n  frame: "
-      "world\n"
-      "  # GUESS: a place in front of the arm, {}. Measure where the part is, or give\n"
-      "  # `targets` in place of `pose`: places on the part and where a tracker saw them "
-      "(docs/mesh-import.md).\n"
-      "  pose: {{xyz_mm: {}, abc_deg: {}}}\n",
-      job.name, job.cell, job.tool.empty() ? "" : fmt::format("tool: {}\n", job.tool), job.part,
-      UnitName(job.unit),
-      job.placement.upright ? "what is milled upright like a wall" : "what is milled facing up",
-      Vector(job.placement.X_WP.translation(), 1),
-      Vector(AnglesZyx(job.placement.X_WP.linear()) * kDegPerRad, 3));
+  std::string text = HeadText(job, fmt::format("  mesh: {}\n  unit: {}\n", job.part, UnitName(job.unit)));
   text += fmt::format("toolpath:\n  strategy: {}\n", pad ? "pad" : "parallel_planes");
   text += RegionText(job, half, job.strategy == FirstStrategy::kPlanesFree ? diameter / 2 + 0.5 : 0);
   text += pad ? fmt::format("  pad: {{pattern: zigzag, along: {}}}\n", Vector(sides.along, 6))
@@ -96,17 +115,25 @@ std::string JobText(const FirstJob& job, const CellSettings& cell) {
         "  # smoother mesh does without.\n"
         "  gouges: {action: lift}\n";
   const bool large = diameter > 10;
-  text += fmt::format(
-      "# GUESS: feeds and speed. They follow from cutter, material and spindle.\n"
-      "process:\n  feed_mm_min: {}\n  plunge_feed_mm_min: {}                  # towards the material\n"
-      "  retract_feed_mm_min: 2000\n  spindle_rpm: {}\n"
-      "  # With material, teeth and depth poses are chosen by the computed cutting force "
-      "(docs/process-force.md):\n"
-      "  # cutting: {{material: 5A06, teeth: 4, depth_mm: 1}}\n",
-      large ? 600 : 300, large ? 200 : 100, large ? 7000 : 12000);
-  std::vector<std::string> controllers;
-  for (const auto& [controller, options] : cell.controllers) controllers.push_back(controller);
-  return text + fmt::format("programs: [{}]\n", fmt::join(controllers, ", "));
+  return text + ProcessText(large, large ? 7000 : 12000) + ProgramsText(cell);
+}
+
+std::string PathJobText(const FirstJob& job, const CamSection& section, const CellSettings& cell) {
+  const double rpm = section.speed ? std::round(*section.speed * 60e6) / 1e6 : 7000;
+  return HeadText(job,
+                  "  # GUESS: no part is named, so nothing sees the arm or the cutter go into it: give its "
+                  "`mesh`.\n"
+                  "  unit: mm\n") +
+         fmt::format(
+             "toolpath:\n  strategy: cam\n  cam: {{file: {}}}                       # what else it may need: "
+             "docs/cam-import.md\n"
+             "  spacing_mm: 10                           # between milling points at most\n"
+             "  chord_tolerance_mm: 0.01\n"
+             "  rotation_reference: {}            # in the world; the rotation about the tool axis counts "
+             "from "
+             "here\n",
+             job.part, job.placement.upright ? "[0, 0, 1]" : "[1, 0, 0]") +
+         ProcessText(cell.tool.cutter_diameter > 10, rpm) + ProgramsText(cell);
 }
 
 }  // namespace millpose

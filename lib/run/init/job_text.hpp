@@ -7,6 +7,7 @@
 
 #include "job/config/cell_settings.hpp"
 #include "run/init/place_part.hpp"
+#include "toolpath/cam/cam_source.hpp"
 
 namespace millpose {
 
@@ -33,5 +34,9 @@ struct FirstJob {
 double PatchHalf(double reach);
 
 std::string JobText(const FirstJob& job, const CellSettings& cell);
+
+/// The job of a CAM file, `job.part`, at `job.placement`; group and strategy do not count. `section`: of its
+/// cuts, for the speed of the spindle.
+std::string PathJobText(const FirstJob& job, const CamSection& section, const CellSettings& cell);
 
 }  // namespace millpose

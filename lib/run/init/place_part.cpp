@@ -7,6 +7,7 @@
 #include "base/rotation.hpp"
 #include "job/assemble.hpp"
 #include "machine/collision/world.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "planning/pose/scorer.hpp"
 #include "program/controller_axes.hpp"
 
@@ -95,7 +96,7 @@ class Trial {
       for (size_t i = 0; i < rotations_.size(); ++i)
         room += std::any_of(candidates.begin() + 8 * static_cast<long>(i),
                             candidates.begin() + 8 * static_cast<long>(i) + 8,
-                            [](const Candidate& c) { return c.obstacle == Obstacle::kNone; });
+                            [](const Candidate& c) { return c.obstacle == Infeasibility::kNone; });
       least = std::min(least, room);
       return least > 0;
     });
@@ -117,8 +118,8 @@ class Trial {
     ForEachPoint(placement, [&](const std::vector<Candidate>& candidates) {
       size_t free = 0;
       for (size_t i = 0; i < candidates.size() && free < kClearPoses; ++i)
-        free +=
-            candidates[i].obstacle == Obstacle::kNone && !checker.Blocked(candidates[i].q, Phase::kCutting);
+        free += candidates[i].obstacle == Infeasibility::kNone &&
+                !checker.Blocked(candidates[i].q, Phase::kCutting);
       return clear = free == kClearPoses;
     });
     return clear;

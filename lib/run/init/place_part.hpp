@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "run/init/facing_groups.hpp"
 #include "job/inputs.hpp"
 #include "job/workpiece.hpp"
+#include "run/init/facing_groups.hpp"
 
 namespace millpose {
 

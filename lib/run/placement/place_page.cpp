@@ -7,9 +7,9 @@
 #include <boost/geometry/geometries/polygon.hpp>
 
 #include "base/text.hpp"
-#include "run/placement/place_tables.hpp"
-#include "program/pose_text.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "report/page/escaped.hpp"
+#include "run/placement/place_tables.hpp"
 
 namespace millpose {
 namespace {

@@ -13,8 +13,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kPlacementVersion = 1;
-constexpr std::array<Obstacle, 5> kCauses{Obstacle::kUnreachable, Obstacle::kLimit, Obstacle::kSingular,
-                                          Obstacle::kInterference, Obstacle::kStep};
+constexpr std::array<Infeasibility, 5> kCauses{Infeasibility::kUnreachable, Infeasibility::kLimit,
+                                               Infeasibility::kSingular, Infeasibility::kInterference,
+                                               Infeasibility::kStep};
 
 Json OrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
@@ -34,7 +35,7 @@ Json RatedJson(const RatedPlace& rated) {
   Json json = PlaceJson(rated.score.place);
   json["points"] = rated.score.total();
   json["free"] = rated.score.free();
-  for (const Obstacle cause : kCauses) json[ToString(cause)] = rated.score.Count(cause);
+  for (const Infeasibility cause : kCauses) json[ToString(cause)] = rated.score.Count(cause);
   json["touches"] = rated.score.touches.empty() ? Json(nullptr) : Json(rated.score.touches);
   json["worst_ratio"] = OrNull(rated.worst);
   json["mean_ratio"] = OrNull(rated.mean);
@@ -43,7 +44,7 @@ Json RatedJson(const RatedPlace& rated) {
 
 std::vector<std::string> CauseNames() {
   std::vector<std::string> names;
-  for (const Obstacle cause : kCauses) names.push_back(ToString(cause));
+  for (const Infeasibility cause : kCauses) names.push_back(ToString(cause));
   return names;
 }
 
@@ -185,7 +186,7 @@ std::vector<const PlannedPlace*> Recommended(const FoundPlaces& placement) {
   return plans;
 }
 
-std::string SpanText(const PathShare& share) {
+std::string SpanText(const PathSection& share) {
   if (!std::isfinite(share.from)) return fmt::format("up to {} mm", ShortestNumber(share.to));
   if (!std::isfinite(share.to)) return fmt::format("from {} mm on", ShortestNumber(share.from));
   return fmt::format("{} to {} mm", ShortestNumber(share.from), ShortestNumber(share.to));
@@ -194,7 +195,8 @@ std::string SpanText(const PathShare& share) {
 std::string CauseOf(const PlaceScore& score) {
   if (!score.touches.empty()) return score.touches;
   if (score.free() == score.total()) return "";
-  return ToString(*std::ranges::max_element(kCauses, {}, [&](Obstacle cause) { return score.Count(cause); }));
+  return ToString(
+      *std::ranges::max_element(kCauses, {}, [&](Infeasibility cause) { return score.Count(cause); }));
 }
 
 std::optional<double> RatioOf(const std::vector<std::optional<double>>& plan,
@@ -215,7 +217,7 @@ std::string PlacesCsv(const std::vector<RatedPlace>& places) {
     for (size_t i = 0; i < kPlaceKeys.size(); ++i)
       text += ShortestNumber(ShownCoordinate(rated.score.place, i)) + ",";
     text += fmt::format("{},{}", rated.score.total(), rated.score.free());
-    for (const Obstacle cause : kCauses) text += fmt::format(",{}", rated.score.Count(cause));
+    for (const Infeasibility cause : kCauses) text += fmt::format(",{}", rated.score.Count(cause));
     text += fmt::format(",{},{},{}\n", rated.score.touches, rated.worst ? ShortestNumber(*rated.worst) : "",
                         rated.mean ? ShortestNumber(*rated.mean) : "");
   }

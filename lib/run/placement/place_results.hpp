@@ -17,7 +17,7 @@ struct Sensitivity {
 
 /// A station that was planned whole.
 struct PlannedStation {
-  PathShare share;
+  PathSection share;
   PlannedPlace plan;
   std::vector<Sensitivity> sensitivity;  ///< of the recommended split
 };
@@ -60,7 +60,7 @@ std::string CauseOf(const PlaceScore& score);
 std::vector<const PlannedPlace*> Recommended(const FoundPlaces& placement);
 
 /// "up to 2950 mm", "from 2950 mm on", "2950 to 5900 mm".
-std::string SpanText(const PathShare& share);
+std::string SpanText(const PathSection& share);
 
 /// plan's ÷ the job's own place's: the greatest over the operations that have one; empty where one is missing
 /// beside the other.

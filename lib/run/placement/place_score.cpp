@@ -5,13 +5,13 @@
 #include <tuple>
 
 #include "base/parallel.hpp"
-#include "machine/collision/point_memory.hpp"
-#include "planning/links/retract.hpp"
 #include "job/assemble.hpp"
-#include "run/placement/sample.hpp"
+#include "machine/collision/point_memory.hpp"
+#include "machine/robot/make_pose.hpp"
+#include "planning/links/retract.hpp"
 #include "planning/pose/candidate_table.hpp"
 #include "planning/pose/lean_problem.hpp"
-#include "program/pose_text.hpp"
+#include "run/placement/sample.hpp"
 
 namespace millpose {
 namespace {
@@ -160,15 +160,15 @@ class BranchLadder {
     for (size_t t = 0; t < layers_.size(); ++t) {
       const Choice& choice = chosen[t];
       if (choice.setting != kNoSetting && choice.after_break) {
-        score.points.push_back({Obstacle::kStep, 0});
+        score.points.push_back({Infeasibility::kStep, 0});
       } else if (choice.setting != kNoSetting) {
-        score.points.push_back({Obstacle::kNone, layers_[t].nodes[choice.setting].objective});
+        score.points.push_back({Infeasibility::kNone, layers_[t].nodes[choice.setting].objective});
         ++score.free;
         score.worst = std::max(score.worst, score.points.back().objective);
       } else if (tables_[t].entries().empty()) {
         score.points.push_back({tables_[t].reason(), 0});
       } else {
-        score.points.push_back({layers_[t].blocked ? Obstacle::kInterference : Obstacle::kStep, 0});
+        score.points.push_back({layers_[t].blocked ? Infeasibility::kInterference : Infeasibility::kStep, 0});
       }
     }
     return score;
@@ -217,7 +217,7 @@ OperationScore SumOf(const std::vector<ScoredPoint>& points) {
   OperationScore score;
   for (const ScoredPoint& point : points) {
     ++score.points[static_cast<size_t>(point.obstacle)];
-    if (point.obstacle != Obstacle::kNone) continue;
+    if (point.obstacle != Infeasibility::kNone) continue;
     score.worst = std::max(score.worst, point.objective);
     score.mean += point.objective;
   }
@@ -246,9 +246,9 @@ size_t PlaceScore::total() const {
   return count;
 }
 
-size_t PlaceScore::free() const { return Count(Obstacle::kNone); }
+size_t PlaceScore::free() const { return Count(Infeasibility::kNone); }
 
-size_t PlaceScore::Count(Obstacle obstacle) const {
+size_t PlaceScore::Count(Infeasibility obstacle) const {
   size_t count = 0;
   for (const OperationScore& score : operations) count += score.points[static_cast<size_t>(obstacle)];
   return count;
@@ -294,7 +294,7 @@ std::vector<ScoredPoint> PlaceScorer::ScorePoints(size_t operation, const Toolpa
   const Toolpath placed = PlacedToolpath(inputs_[operation], sample, world.cell().X_WP);
   PoseProblem problem = AtOwnAxis(prepared.problem);
   problem.X_WB = world.cell().X_WB;
-  const RetractOptions leave = MakeGapOptions(inputs_[operation].job).leave;
+  const RetractOptions leave = MakeLinkMoveOptions(inputs_[operation].job).leave;
   std::vector<std::vector<ScoredPoint>> passes(placed.passes.size());
   const size_t parts = (passes.size() + kPart - 1) / kPart;
   ParallelFor(parts, execution.Threads(), execution.stop, [&](size_t part) {
@@ -307,7 +307,7 @@ std::vector<ScoredPoint> PlaceScorer::ScorePoints(size_t operation, const Toolpa
   return points;
 }
 
-Samples PlaceScorer::SampleOf(const PathShare& share) const {
+Samples PlaceScorer::SampleOf(const PathSection& share) const {
   Samples samples;
   for (const PreparedJob& prepared : prepared_)
     samples.push_back(millpose::SampleOf(Shared(prepared.made.toolpath, share), count_));
@@ -318,7 +318,8 @@ std::vector<ScoredPoint> PlaceScorer::Points(const PoseSettings& place, const Ex
   const auto [X_WB, X_WP] = PosesAt(place);
   const World world = prepared_.front().world.With(X_WB, X_WP);
   if (!Touches(X_WB, X_WP).empty() || Checker(world).Blocked(world.cell().home, Phase::kFree))
-    return std::vector<ScoredPoint>(CountPoints(samples_.front()), ScoredPoint{Obstacle::kInterference, 0});
+    return std::vector<ScoredPoint>(CountPoints(samples_.front()),
+                                    ScoredPoint{Infeasibility::kInterference, 0});
   return ScorePoints(0, samples_.front(), world, execution);
 }
 
@@ -334,7 +335,7 @@ PlaceScore PlaceScorer::Score(const PoseSettings& place, const Samples& samples,
     if (score.touches.empty() && Checker(world).Blocked(world.cell().home, Phase::kFree))
       score.touches = "home";
     if (!score.touches.empty()) {  // not looked at any further
-      score.operations[i].points[static_cast<size_t>(Obstacle::kInterference)] = CountPoints(samples[i]);
+      score.operations[i].points[static_cast<size_t>(Infeasibility::kInterference)] = CountPoints(samples[i]);
       continue;
     }
     score.operations[i] = SumOf(ScorePoints(i, samples[i], world, execution));

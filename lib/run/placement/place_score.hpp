@@ -26,7 +26,7 @@ struct PlaceScore {
   size_t total() const;
   size_t free() const;
   /// Why points are not free: how many by obstacle, of all operations.
-  size_t Count(Obstacle obstacle) const;
+  size_t Count(Infeasibility obstacle) const;
 };
 
 /// Points of a job that are looked at, in P: of every operation.
@@ -55,7 +55,7 @@ class PlaceScorer {
   /// Of an operation, in P.
   const Toolpath& Sample(size_t operation) const { return samples_[operation]; }
   /// As many points of a share of the path as of the whole.
-  Samples SampleOf(const PathShare& share) const;
+  Samples SampleOf(const PathSection& share) const;
 
  private:
   bool robot() const;

@@ -87,7 +87,7 @@ std::vector<Override> OverridesOf(const PoseSettings& place, bool robot) {
   return {{key, fmt::format("{{xyz_mm: {}, abc_deg: {}}}", list(0), list(3))}};
 }
 
-std::vector<Override> StationOverrides(const std::string& name, size_t number, const PathShare& share,
+std::vector<Override> StationOverrides(const std::string& name, size_t number, const PathSection& share,
                                        const PoseSettings& place, bool robot) {
   // The station stands in the name of its programs too.
   const size_t longest = kProgramNameLength - 3;

@@ -26,7 +26,7 @@ struct PlannedPlace {
 std::vector<Override> OverridesOf(const PoseSettings& place, bool robot);
 
 /// The settings of one of several stations (from 1) of the job `name`.
-std::vector<Override> StationOverrides(const std::string& name, size_t number, const PathShare& share,
+std::vector<Override> StationOverrides(const std::string& name, size_t number, const PathSection& share,
                                        const PoseSettings& place, bool robot);
 
 /// The arguments of `millpose plan` into a folder.

@@ -241,7 +241,7 @@ const SetNames kPlaceNames{"placement.json", "placement.html", "places.csv", "ma
 void RefuseExternalAxes(const std::vector<JobInputs>& inputs) {
   for (const JobInputs& own : inputs)
     if (!own.cell.external_axes.empty())
-      throw InputError(Place{own.cell.file},
+      throw InputError(SourceLocation{own.cell.file},
                        "external_axes: allowed in cells that millpose place looks for places in: none");
 }
 

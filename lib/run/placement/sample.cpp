@@ -17,7 +17,7 @@ std::vector<size_t> Evenly(size_t size, size_t count) {
 }
 
 /// Appends the stretches of a pass whose points lie in the share.
-void AddStretches(const Pass& pass, const PathShare& share, std::vector<Pass>& passes) {
+void AddStretches(const Pass& pass, const PathSection& share, std::vector<Pass>& passes) {
   const size_t before = passes.size();
   bool goes_on = false;
   for (const MillingPoint& point : pass.points) {
@@ -34,7 +34,7 @@ void AddStretches(const Pass& pass, const PathShare& share, std::vector<Pass>& p
 
 }  // namespace
 
-Toolpath Shared(const Toolpath& toolpath, const PathShare& share) {
+Toolpath Shared(const Toolpath& toolpath, const PathSection& share) {
   Toolpath shared;
   for (const Pass& pass : toolpath.passes) {
     if (!pass.whole)

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "toolpath/milling_point.hpp"
-#include "toolpath/path_share.hpp"
+#include "toolpath/path_section.hpp"
 
 namespace millpose {
 
@@ -11,7 +11,7 @@ namespace millpose {
 Toolpath SampleOf(const Toolpath& toolpath, size_t count);
 
 /// What of a laid path lies in a share, by its points: a place is scored by them, and planned with passes
-/// that are cut at the planes (ClipToShare).
-Toolpath Shared(const Toolpath& toolpath, const PathShare& share);
+/// that are cut at the planes (ClipToSection).
+Toolpath Shared(const Toolpath& toolpath, const PathSection& share);
 
 }  // namespace millpose

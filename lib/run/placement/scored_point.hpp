@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "toolpath/obstacle.hpp"
+#include "toolpath/infeasibility.hpp"
 
 namespace millpose {
 
 /// A sampled point in some place: what keeps it, or its least objective.
 struct ScoredPoint {
-  Obstacle obstacle = Obstacle::kNone;
+  Infeasibility obstacle = Infeasibility::kNone;
   double objective = 0;
 };
 

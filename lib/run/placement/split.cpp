@@ -115,7 +115,7 @@ Split Cheapest(const SplitProblem& problem, size_t count, const Measure& measure
 }  // namespace
 
 void SplitCost::Add(const ScoredPoint& point) {
-  if (point.obstacle != Obstacle::kNone) {
+  if (point.obstacle != Infeasibility::kNone) {
     ++missing;
     return;
   }

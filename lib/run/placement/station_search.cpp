@@ -121,7 +121,7 @@ std::vector<SplitStation> StationSearch::Find(size_t count) {
   return stations;
 }
 
-SplitStation StationSearch::Improve(const PathShare& share, const std::vector<double>& start, int places) {
+SplitStation StationSearch::Improve(const PathSection& share, const std::vector<double>& start, int places) {
   const Samples samples = scorer_.SampleOf(share);
   SplitStation station{share, {}};
   std::map<std::array<double, 6>, double> known;

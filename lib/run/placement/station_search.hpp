@@ -8,7 +8,7 @@ namespace millpose {
 
 /// A place and what of the path is milled from it.
 struct SplitStation {
-  PathShare share;
+  PathSection share;
   RatedPlace rated;  ///< of its share's sample, beside the job's own place
 };
 
@@ -39,7 +39,7 @@ class StationSearch {
   std::vector<SplitStation> Find(size_t count);
 
  private:
-  SplitStation Improve(const PathShare& share, const std::vector<double>& start, int places);
+  SplitStation Improve(const PathSection& share, const std::vector<double>& start, int places);
 
   const JobInputs& inputs_;
   const PlaceSpace& space_;

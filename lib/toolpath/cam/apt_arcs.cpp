@@ -7,7 +7,7 @@
 namespace millpose {
 namespace {
 
-InputError Unreadable(const Place& place, const AptStatement& statement) {
+InputError Unreadable(const SourceLocation& place, const AptStatement& statement) {
   return {place, fmt::format("the motion \"{}\" cannot be read; known are GOTO, GODLTA, CIRCLE with a GOTO, "
                              "NURBS with KNOT and CNTRL, and "
                              "TLON,GOFWD/(CIRCLE/x,y,z,r),ON,(LINE/x,y,z,x,y,z)",

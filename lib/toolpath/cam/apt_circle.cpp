@@ -64,14 +64,14 @@ bool IsHalfOrFull(const AptCircle& circle, const Eigen::Vector3d& axis, const Ei
 
 // Whether the right-hand turn about the axis is meant.
 bool TurnsRight(const AptCircle& circle, const Eigen::Vector3d& axis, const Eigen::Vector3d& from,
-                const Eigen::Vector3d& to, const Eigen::Vector3d& arriving, CircleWay way) {
+                const Eigen::Vector3d& to, const Eigen::Vector3d& arriving, CircleSense way) {
   const Eigen::Vector3d tangent = axis.cross(Across(from - circle.centre, axis)).normalized();
   if (circle.tangent && std::abs(tangent.dot(*circle.tangent)) > 0.5) return tangent.dot(*circle.tangent) > 0;
   const bool by_sign = !circle.clockwise;
-  if (way == CircleWay::kAxis || IsHalfOrFull(circle, axis, from, to)) return by_sign;
+  if (way == CircleSense::kAxis || IsHalfOrFull(circle, axis, from, to)) return by_sign;
   const std::optional<bool> runs_on = RunsOnRight(circle, axis, from, to, arriving);
   if (!runs_on || *runs_on == by_sign) return by_sign;
-  if (way == CircleWay::kTangent) return *runs_on;
+  if (way == CircleSense::kTangent) return *runs_on;
   throw InputError(
       circle.place,
       fmt::format("the cut before runs on into the {} turn about the circle's axis, the axis's sign says {}: "
@@ -98,7 +98,7 @@ int TurnsOf(const AptCircle& circle, const Eigen::Vector3d& axis, const Eigen::V
 }  // namespace
 
 AptArc FollowCircle(const AptCircle& circle, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
-                    const Eigen::Vector3d& arriving, CircleWay way, double tolerance) {
+                    const Eigen::Vector3d& arriving, CircleSense way, double tolerance) {
   Eigen::Vector3d axis;
   if (circle.axis) {
     axis = *circle.axis;

@@ -20,7 +20,7 @@ struct AptCircle {
   std::optional<double> radius;            ///< as stated
   std::optional<double> sweep;             ///< as stated (MOVARC), rad, right-handed about the axis
   int full_turns = 0;                      ///< besides the part from start to end (NX: TIMES)
-  Place place;
+  SourceLocation place;
 };
 
 /// A circle as chords.
@@ -34,6 +34,6 @@ struct AptArc {
 /// InputError at the circle's place when the ends do not lie on it, when its radius is above 1e6 mm, and when
 /// direction and sign contradict.
 AptArc FollowCircle(const AptCircle& circle, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
-                    const Eigen::Vector3d& arriving, CircleWay way, double tolerance);
+                    const Eigen::Vector3d& arriving, CircleSense way, double tolerance);
 
 }  // namespace millpose

@@ -46,7 +46,7 @@ std::vector<double> AllNumbers(const std::vector<std::string>& words) {
 }
 
 // Rows of [axes | origin].
-AptFrame FrameOf(const std::vector<double>& rows, std::string name, const Place& place) {
+AptFrame FrameOf(const std::vector<double>& rows, std::string name, const SourceLocation& place) {
   AptFrame frame;
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) frame.rotation(r, c) = rows[static_cast<size_t>(4 * r + c)];
@@ -89,15 +89,25 @@ std::optional<AptFrame> AptComments::Decide(AptFrame frame, bool known) {
   if (known || frame.IsIdentity() || options_.frame == CamFrame::kStated) return frame;
   throw InputError(
       frame.place,
-      fmt::format("a comment names a system of coordinates ({}) that is not the file's own: "
-                  "state toolpath.cam.frame: as_given when the points stand in the workpiece "
-                  "frame as they are written{}",
-                  frame.name, frame.name == "CSYS" ? ", or stated when this system places them there" : ""));
+      frame.name == "CATIA0"
+          ? "CATIA0 turns the axes, and whether its rows or its columns are the axes is not documented "
+            "beyond "
+            "doubt: state toolpath.cam.frame: stated when the columns are the axes of the machining system "
+            "(the fourth its origin), or as_given when the points stand in the workpiece frame as they are "
+            "written"
+          : fmt::format("a comment names a system of coordinates ({}) that is not the file's own: "
+                        "state toolpath.cam.frame: as_given when the points stand in the workpiece "
+                        "frame as they are written{}",
+                        frame.name,
+                        frame.name == "CSYS" ? ", or stated when this system places them there" : ""));
 }
+
+// Whether rows and columns of its axes say the same: no turn, or half turns.
+bool AptFrame::ReadsEitherWay() const { return rotation.isApprox(rotation.transpose(), 1e-9); }
 
 // "$$*CATIA0", "$$ identifier", three rows of four numbers. Without a row nothing is stated.
 std::optional<AptFrame> AptComments::TakeCatia(const std::vector<AptWord>& comments, size_t& at) {
-  const Place place = comments[at].place;
+  const SourceLocation place = comments[at].place;
   std::vector<double> rows;
   size_t others = 0;
   for (++at; at < comments.size() && rows.size() < 12; ++at) {
@@ -113,7 +123,9 @@ std::optional<AptFrame> AptComments::TakeCatia(const std::vector<AptWord>& comme
   if (rows.size() < 12)
     throw InputError(place,
                      fmt::format("CATIA0 needs three rows of four numbers, found {}", rows.size() / 4));
-  return Decide(FrameOf(rows, "CATIA0", place), true);
+  AptFrame frame = FrameOf(rows, "CATIA0", place);
+  const bool known = frame.ReadsEitherWay();
+  return Decide(std::move(frame), known);
 }
 
 // A word for a system, its numbers behind it or in the comments that follow.
@@ -123,7 +135,7 @@ std::optional<AptFrame> AptComments::TakeOther(const std::vector<AptWord>& comme
       words.begin(), words.begin() + static_cast<long>(std::min<size_t>(3, words.size())),
       [](const std::string& word) { return kSystems.contains(word); });
   if (named == words.begin() + static_cast<long>(std::min<size_t>(3, words.size()))) return std::nullopt;
-  const Place place = comments[at].place;
+  const SourceLocation place = comments[at].place;
   std::vector<double> numbers;
   for (const std::string& word : words)
     if (const auto number = NumberOf(word)) numbers.push_back(*number);

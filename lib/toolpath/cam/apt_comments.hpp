@@ -13,13 +13,16 @@ struct AptFrame {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< its axes in the part, as columns
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();        ///< in the part, file units
   std::string name;                                        ///< "CATIA0", "CSYS"
-  Place place;
+  SourceLocation place;
   bool IsIdentity() const { return rotation.isIdentity(1e-9) && origin.isZero(1e-9); }
+  bool ReadsEitherWay() const;  ///< rows and columns of the axes are the same
 };
 
 /// Frames in the comments of CLDATA: CATIA's `$$*CATIA0` with an identifier and three rows of the matrix
-/// [axes | origin] that leads from the machining system into the absolute one; Creo's `$$-> CSYS / 12
-/// numbers`; and other comments that begin with a word for a system and go on with numbers (MCS, MATRIX, …).
+/// [axes | origin] that leads from the machining system into the absolute one (one that turns the axes where
+/// the job states it: which of rows and columns are the axes is not documented beyond doubt); Creo's `$$->
+/// CSYS / 12 numbers`; and other comments that begin with a word for a system and go on with numbers (MCS,
+/// MATRIX, …).
 class AptComments {
  public:
   explicit AptComments(const CamReadOptions& options) : options_(options) {}

@@ -20,7 +20,7 @@ struct AptCycle {
   std::optional<double> by_place;  ///< the depth of a cycle by places, see CyclePoint; no other has one
   std::optional<double> step;      ///< of the strokes
   double chip_retract = 0;         ///< see Drilling
-  Place place;
+  SourceLocation place;
 };
 
 /// A cycle by places whose GOTO is at the hole's bottom, at `height` (mm) of the file's system along the tool

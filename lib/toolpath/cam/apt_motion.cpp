@@ -65,7 +65,7 @@ void AptMotion::CheckEnd() const {
   if (circle_) throw InputError(circle_->place, "a CIRCLE is not followed by the GOTO that it leads to");
 }
 
-void AptMotion::MoveTo(const Vector& to, const Vector& axis, const Place& place) {
+void AptMotion::MoveTo(const Vector& to, const Vector& axis, const SourceLocation& place) {
   const Vector before = axis_;
   axis_ = axis;
   if (cycle_) return Drill(to, place);
@@ -103,7 +103,8 @@ void AptMotion::Follow(const AptNurbs& nurbs, const std::vector<Vector>& control
   ++splines_;
 }
 
-void AptMotion::Append(const std::vector<Vector>& way, const Vector& axis_before, const Place& place) {
+void AptMotion::Append(const std::vector<Vector>& way, const Vector& axis_before,
+                       const SourceLocation& place) {
   for (size_t i = 0; i < way.size(); ++i) {
     const double share = static_cast<double>(i + 1) / static_cast<double>(way.size());
     const Vector between = axis_before + share * (axis_ - axis_before);
@@ -113,7 +114,8 @@ void AptMotion::Append(const std::vector<Vector>& way, const Vector& axis_before
   rapid_ = false;  // RAPID holds for the next motion only
 }
 
-void AptMotion::AddPoint(const Vector& position, const Vector& axis, bool rapid, const Place& place) {
+void AptMotion::AddPoint(const Vector& position, const Vector& axis, bool rapid,
+                         const SourceLocation& place) {
   if (path_.points.size() >= kMaxPoints)
     throw InputError({place.file, place.line}, fmt::format("the path has more than {} points", kMaxPoints));
   path_.points.push_back({position, axis, feed_, rapid, fresh_ && HasPoint(), place.line});
@@ -144,7 +146,7 @@ AptCycle AptMotion::CycleAt(const Vector& point) {
 }
 
 // A rapid to the clearance, straight strokes at the cycle's feed, a rapid to where the tool is drawn back.
-void AptMotion::Drill(const Vector& point, const Place& place) {
+void AptMotion::Drill(const Vector& point, const SourceLocation& place) {
   rapid_ = false;
   arriving_.setZero();
   if (!cycle_->left_out.empty()) {

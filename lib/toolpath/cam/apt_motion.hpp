@@ -52,7 +52,7 @@ class AptMotion {
   const Eigen::Vector3d& at() const { return at_; }
   /// Straight, on the circle that was set, or into the hole of the cycle; the axis turns to `axis` on the
   /// way.
-  void MoveTo(const Eigen::Vector3d& to, const Eigen::Vector3d& axis, const Place& place);
+  void MoveTo(const Eigen::Vector3d& to, const Eigen::Vector3d& axis, const SourceLocation& place);
   /// Along the spline whose control points are given in the part.
   void Follow(const AptNurbs& nurbs, const std::vector<Eigen::Vector3d>& control);
   /// Throws InputError when a circle is left over.
@@ -63,10 +63,11 @@ class AptMotion {
 
  private:
   void Append(const std::vector<Eigen::Vector3d>& way, const Eigen::Vector3d& axis_before,
-              const Place& place);
-  void AddPoint(const Eigen::Vector3d& position, const Eigen::Vector3d& axis, bool rapid, const Place& place);
+              const SourceLocation& place);
+  void AddPoint(const Eigen::Vector3d& position, const Eigen::Vector3d& axis, bool rapid,
+                const SourceLocation& place);
   AptCycle CycleAt(const Eigen::Vector3d& point);
-  void Drill(const Eigen::Vector3d& point, const Place& place);
+  void Drill(const Eigen::Vector3d& point, const SourceLocation& place);
 
   const CamReadOptions& options_;
   const SenderRules& rules_;

@@ -42,7 +42,7 @@ bool IsFlat(const std::vector<Homogeneous>& bezier, double tolerance) {
 
 class Flattener {
  public:
-  Flattener(double tolerance, const Place& place, std::vector<Vector>& points)
+  Flattener(double tolerance, const SourceLocation& place, std::vector<Vector>& points)
       : tolerance_(tolerance), place_(place), points_(points) {}
 
   void Append(std::vector<Homogeneous> left, int halvings) {
@@ -67,7 +67,7 @@ class Flattener {
 
  private:
   double tolerance_;
-  const Place& place_;
+  const SourceLocation& place_;
   std::vector<Vector>& points_;
 };
 

@@ -30,13 +30,13 @@ class AptNurbs {
   std::vector<Eigen::Vector3d> Points(const std::vector<Eigen::Vector3d>& control, double tolerance) const;
   /// Start of the curve through such control points.
   Eigen::Vector3d Start(const std::vector<Eigen::Vector3d>& control) const;
-  const Place& place() const { return place_; }
+  const SourceLocation& place() const { return place_; }
 
  private:
   using Homogeneous = Eigen::Vector4d;  // w·(x, y, z), w
   std::vector<Homogeneous> Bezier(const std::vector<Homogeneous>& control, size_t span) const;
 
-  Place place_;
+  SourceLocation place_;
   std::vector<double> header_, knots_, weights_;
   std::vector<Eigen::Vector3d> control_;
   size_t degree_ = 0;

@@ -12,7 +12,7 @@ namespace millpose {
 /// One value of an APT statement with its place.
 struct AptWord {
   std::string text;  ///< upper case, without spaces around it
-  Place place;
+  SourceLocation place;
 };
 
 /// "MAJOR/minor, minor" with its parts; a statement without a slash has no minors.

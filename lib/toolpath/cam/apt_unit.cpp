@@ -31,7 +31,7 @@ void AptUnit::Look(const AptStatement& statement) {
     unstated_ = statement.major.place;
 }
 
-void AptUnit::SetStated(const Place& place, double unit) {
+void AptUnit::SetStated(const SourceLocation& place, double unit) {
   if (!stated_) {
     stated_ = place;
     unit_ = unit;

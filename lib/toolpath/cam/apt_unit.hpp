@@ -16,7 +16,7 @@ class AptUnit {
   /// Looks at every statement before it is read: words of feeds (MMPM, IPM), and lengths that come before
   /// UNITS.
   void Look(const AptStatement& statement);
-  void SetStated(const Place& place, double unit);
+  void SetStated(const SourceLocation& place, double unit);
   /// Of a cutter's diameter as the file writes it.
   void TakeCutter(double diameter);
   bool used_key() const { return unstated_.has_value() && options_.unit.has_value(); }
@@ -27,11 +27,11 @@ class AptUnit {
 
  private:
   const CamReadOptions& options_;
-  std::optional<Place> unstated_;      // the first length before UNITS
-  std::optional<Place> stated_;        // the first UNITS
-  double unit_ = 1;                    // mm, as stated
-  std::optional<AptWord> mm_, inch_;   // first words of feeds
-  double smallest_ = 0, largest_ = 0;  // cutters before UNITS, file units
+  std::optional<SourceLocation> unstated_;  // the first length before UNITS
+  std::optional<SourceLocation> stated_;    // the first UNITS
+  double unit_ = 1;                         // mm, as stated
+  std::optional<AptWord> mm_, inch_;        // first words of feeds
+  double smallest_ = 0, largest_ = 0;       // cutters before UNITS, file units
 };
 
 }  // namespace millpose

@@ -79,7 +79,7 @@ AptMeaning MeaningOf(const AptStatement& statement) {
 void CheckHarmless(const AptStatement& statement) {
   const std::string word = FirstWord(statement.major);
   const std::string first = statement.minors.empty() ? "" : statement.minors[0].text;
-  const Place& place = statement.major.place;
+  const SourceLocation& place = statement.major.place;
   if (word == "MODE" && !first.empty() && first != "MILL")
     throw InputError(place, fmt::format("MODE/{} is not read; read is MODE/MILL", first.substr(0, 40)));
   if (word == "CUTCOM" && first != "OFF" && first != "NOMORE")

@@ -24,7 +24,7 @@ double ArcAngle(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Ei
 
 std::vector<Eigen::Vector3d> ArcPoints(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                                        const Eigen::Vector3d& centre, const Eigen::Vector3d& axis,
-                                       int full_turns, double tolerance, const Place& place) {
+                                       int full_turns, double tolerance, const SourceLocation& place) {
   const Eigen::Vector3d a = Across(from - centre, axis), b = Across(to - centre, axis);
   const double radius = a.norm(), end_radius = b.norm();
   if (radius < 1e-9 || end_radius < 1e-9) return {to};

@@ -19,6 +19,6 @@ double ArcAngle(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Ei
 /// Throws InputError at `place` when it becomes more than 1,000,000 points.
 std::vector<Eigen::Vector3d> ArcPoints(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                                        const Eigen::Vector3d& centre, const Eigen::Vector3d& axis,
-                                       int full_turns, double tolerance, const Place& place);
+                                       int full_turns, double tolerance, const SourceLocation& place);
 
 }  // namespace millpose

@@ -103,7 +103,7 @@ class CsvReader {
     }
   }
 
-  Place At(size_t cell) const { return {name_, line_, cell < starts_.size() ? starts_[cell] : 0}; }
+  SourceLocation At(size_t cell) const { return {name_, line_, cell < starts_.size() ? starts_[cell] : 0}; }
 
   void TakeHeader(const std::vector<std::string>& cells) {
     std::array<int, kColumns> count{};
@@ -125,7 +125,7 @@ class CsvReader {
     has_axis_ = axes == 3;
   }
 
-  void TakeOtherColumn(const std::string& name, const Place& place) {
+  void TakeOtherColumn(const std::string& name, const SourceLocation& place) {
     if (IsHarmlessColumn(name))
       tally_.CountHarmless("column " + name);
     else

@@ -51,6 +51,21 @@ bool LooksLikeGcode(std::string_view bytes) {
   return false;
 }
 
+// Some line is a GOTO of CLDATA.
+bool HasGoto(std::string_view bytes) {
+  constexpr int kLines = 20'000;  // comments and settings may come first
+  for (int i = 0; i < kLines && !bytes.empty(); ++i) {
+    const std::string_view line = TakeLine(bytes);
+    const size_t slash = line.find('/');
+    if (slash == std::string_view::npos || slash < 4) continue;
+    std::string word;
+    for (const char c : line.substr(0, slash))
+      if (c != ' ') word += Upper(c);
+    if (word == "GOTO") return true;
+  }
+  return false;
+}
+
 // A key of the job that another format alone uses is an error.
 void CheckKeys(const CamReadOptions& options, bool apt, bool gcode, const std::string& name) {
   const auto check = [&](bool given, bool used, std::string_view key, std::string_view format) {
@@ -61,7 +76,7 @@ void CheckKeys(const CamReadOptions& options, bool apt, bool gcode, const std::s
                                    : gcode ? "G-code"
                                            : "CSV"));
   };
-  check(options.circle != CircleWay::kBoth, apt, "circle", "APT CLDATA");
+  check(options.circle != CircleSense::kBoth, apt, "circle", "APT CLDATA");
   check(options.frame.has_value(), apt, "frame", "APT CLDATA");
   check(options.cycle_point.has_value(), apt, "cycle_point", "APT CLDATA");
   check(!options.offsets.empty(), gcode, "offsets_mm", "G-code");
@@ -86,6 +101,14 @@ void CheckReach(const CamPath& path, const std::string& name) {
           {name, point.line},
           fmt::format("the point ({:.6g}, {:.6g}, {:.6g}) mm lies beyond ±{} mm: is the unit right?",
                       point.position.x(), point.position.y(), point.position.z(), kLargest));
+}
+
+bool LooksLikeCamPath(std::string_view bytes) {
+  const auto is_text = [](char c) {
+    return static_cast<unsigned char>(c) >= ' ' || c == '\t' || c == '\r' || c == '\n';
+  };
+  if (!std::ranges::all_of(bytes.substr(0, 4096), is_text)) return false;
+  return LooksLikeCsv(bytes) || (!GuessFormat(bytes) && (LooksLikeGcode(bytes) || HasGoto(bytes)));
 }
 
 CamPath ReadCamPath(std::string_view bytes, const std::string& name, const CamReadOptions& options) {

@@ -53,7 +53,7 @@ struct CamPath {
 };
 
 /// What decides which way round an APT circle with an axis goes.
-enum class CircleWay : uint8_t {
+enum class CircleSense : uint8_t {
   kBoth,     ///< the tangent of the motion before and the sign of the axis, which must not contradict
   kTangent,  ///< the tangent where it tells, else the sign
   kAxis,     ///< the sign alone
@@ -61,7 +61,7 @@ enum class CircleWay : uint8_t {
 
 /// What places the points of a CAM path in the workpiece frame.
 enum class CamFrame : uint8_t {
-  kStated,   ///< frames that comments state as well (CATIA0, CSYS)
+  kStated,   ///< frames that comments state as well (CATIA0, CSYS), with their columns as axes
   kAsGiven,  ///< nothing but MSYS and the frames of G-code: points stand as they are written
 };
 
@@ -70,7 +70,7 @@ struct CamReadOptions {
   double chord_tolerance =
       0.01;                ///< mm: how far arcs and the ways under turning rotary axes may bend from chords
   RotaryAxes rotary_axes;  ///< of the machine that a G-code program was written for
-  CircleWay circle = CircleWay::kBoth;
+  CircleSense circle = CircleSense::kBoth;
   std::optional<bool> tip_programming;   ///< whether a G-code program begins with the tip's coordinates
   std::map<int, bool> kinematics_codes;  ///< M codes that switch: from then on X, Y, Z are the tip's, or not
   std::optional<CamSender> sender;
@@ -86,6 +86,10 @@ struct CamReadOptions {
 /// or CSV, told from the content. Every word is evaluated, known to say nothing about the motion (then it is
 /// counted in the notes), or refused: throws InputError with line and column, all unknown words at once.
 CamPath ReadCamPath(std::string_view bytes, const std::string& name, const CamReadOptions& options);
+
+/// Whether bytes are more likely a CAM path than a mesh: text with a CSV's header, blocks of G-code or
+/// GOTO of CLDATA.
+bool LooksLikeCamPath(std::string_view bytes);
 
 /// The cuts and holes of one section with the ways to them. Precondition: it is below their number.
 CamPath TakeSection(const CamPath& path, size_t section);

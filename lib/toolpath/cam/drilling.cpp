@@ -7,7 +7,7 @@
 
 namespace millpose {
 
-std::vector<double> EvenStrokes(double top, double bottom, double step, const Place& place) {
+std::vector<double> EvenStrokes(double top, double bottom, double step, const SourceLocation& place) {
   constexpr double kMost = 10'000;
   if (!(step > 0)) throw InputError(place, fmt::format("a peck must be above 0 mm, found {} mm", step));
   if (!((top - bottom) / step <= kMost))
@@ -19,7 +19,7 @@ std::vector<double> EvenStrokes(double top, double bottom, double step, const Pl
 }
 
 std::vector<double> ShrinkingStrokes(double reference, double first, double bottom, double less,
-                                     const Place& place) {
+                                     const SourceLocation& place) {
   std::vector<double> bottoms{first};
   double stroke = reference - first;
   while (bottoms.back() > bottom + 1e-9) {
@@ -40,7 +40,7 @@ std::vector<double> ShrinkingStrokes(double reference, double first, double bott
   return bottoms;
 }
 
-std::vector<double> Heights(const Drilling& drilling, const Place& place) {
+std::vector<double> Heights(const Drilling& drilling, const SourceLocation& place) {
   if (!(drilling.bottoms.back() < drilling.clearance))
     throw InputError(place, fmt::format("the hole's bottom ({} mm) is not below its clearance ({} mm)",
                                         drilling.bottoms.back(), drilling.clearance));

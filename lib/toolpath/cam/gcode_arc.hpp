@@ -19,7 +19,7 @@ struct GcodeArc {
   std::array<bool, 3> absolute{};               ///< whether that is a place, else a step from the start
   std::optional<double> radius;                 ///< R, CR; negative: the longer arc. Goes before the centre
   double full_turns = 0;                        ///< TURN
-  Place place;                                  ///< for messages
+  SourceLocation place;                         ///< for messages
 };
 
 /// Points after `from` up to and with `to`, chords deviating by at most `tolerance`. Throws InputError when

@@ -26,7 +26,7 @@ struct GcodeWord {
   double value = 0;
   bool negative = false;  ///< of a variable: -_NAME
   std::string text;
-  Place place;
+  SourceLocation place;
 };
 
 /// The words of one line. Line numbers, program numbers, comments and `%` lines are gone.
@@ -59,7 +59,7 @@ class GcodeScanner {
   bool StartsNumber(size_t at) const;
   char At(size_t at) const { return at < text_.size() ? text_[at] : '\0'; }
   void SkipBlanks();
-  Place Here(size_t at) const { return {name_, line_, static_cast<int>(at) + 1}; }
+  SourceLocation Here(size_t at) const { return {name_, line_, static_cast<int>(at) + 1}; }
   [[noreturn]] void Refuse(size_t at, const std::string& why) const;
 
   std::string_view bytes_;

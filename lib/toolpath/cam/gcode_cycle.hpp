@@ -48,7 +48,7 @@ class SinumerikCycles {
   void EndModal() { modal_.reset(); }
   bool modal() const { return modal_.has_value(); }
   /// The hole of the modal cycle where the tool stands.
-  void RunModal(const Place& place);
+  void RunModal(const SourceLocation& place);
 
  private:
   class Arguments;

@@ -20,7 +20,7 @@ void GcodeMotion::TakeFrame(const GcodeBlock& block) {
   if (known_[0]) at_ = frame_.ToProgrammed(base_);
 }
 
-void GcodeMotion::SetOffset(const std::string& name, const Place& place) {
+void GcodeMotion::SetOffset(const std::string& name, const SourceLocation& place) {
   const bool again = offset_named_ && name == offset_;
   const std::string before = offset_;
   const bool named_before = std::exchange(offset_named_, true);
@@ -47,7 +47,7 @@ void GcodeMotion::SetOffset(const std::string& name, const Place& place) {
 }
 
 // The first cut under an offset.
-void GcodeMotion::UseOffset(const Place& place) {
+void GcodeMotion::UseOffset(const SourceLocation& place) {
   if (options_.offsets.empty()) return;
   if (!options_.offsets.contains(offset_))
     throw InputError(place, fmt::format("a cut under {}, which is not among toolpath.cam.offsets_mm",
@@ -79,7 +79,7 @@ void GcodeMotion::SetTipProgramming(bool on) {
 
 void GcodeMotion::Move(const GcodeMove& move) {
   if (move.machine || move.reference) return LeaveWorkpiece(move);
-  GcodeWay way;
+  GcodePath way;
   way.start = direction_;
   way.place = move.place;
   if (move.HasTurn()) TakeDirection(move);
@@ -116,8 +116,8 @@ Vector GcodeMotion::TipAt(const Vector& programmed) const {
   return tip_programmed_ ? base : options_.rotary_axes.Tip(base, direction_.angles);
 }
 
-void GcodeMotion::AppendStraight(const Vector& to, bool rapid, const Place& place) {
-  GcodeWay way;
+void GcodeMotion::AppendStraight(const Vector& to, bool rapid, const SourceLocation& place) {
+  GcodePath way;
   way.start = direction_;
   way.place = place;
   way.from = at_;
@@ -273,7 +273,7 @@ void GcodeMotion::KeepNamedWays() {
   for (const size_t i : named_ways_) path_.points[i].fresh = false;
 }
 
-void GcodeMotion::Append(GcodeWay way, bool rapid) {
+void GcodeMotion::Append(GcodePath way, bool rapid) {
   way.end = direction_;
   way.tip_programmed = tip_programmed_;
   way.rapid = rapid;

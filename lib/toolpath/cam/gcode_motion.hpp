@@ -6,7 +6,7 @@
 
 #include "toolpath/cam/gcode_block.hpp"
 #include "toolpath/cam/gcode_frame.hpp"
-#include "toolpath/cam/gcode_way.hpp"
+#include "toolpath/cam/gcode_path.hpp"
 #include "toolpath/cam/section_tracker.hpp"
 
 namespace millpose {
@@ -40,7 +40,7 @@ struct GcodeMove {
   bool machine = false;                           ///< SUPA, G53: machine coordinates
   bool reference = false;                         ///< G28, G30
   bool dwell = false;
-  Place place{};
+  SourceLocation place{};
   const GcodeWord* Parameter(char letter) const {
     const auto found = parameters.find(letter);
     return found == parameters.end() ? nullptr : found->second;
@@ -60,7 +60,7 @@ struct GcodeHole {
   double clearance = 0, retract = 0;
   std::vector<double> strokes;  ///< see Heights()
   double first_feed_share = 1;  ///< of the feed, on the first stroke
-  Place place;
+  SourceLocation place;
 };
 
 /// Where the tool is and how it stands, from block to block; appends its way to a path.
@@ -75,7 +75,7 @@ class GcodeMotion {
   void TakeFrame(const GcodeBlock& block);
   /// A zero offset by its name ("G54", "G54.1 P2"); the tool stays where it is. With the job's offsets the
   /// coordinates behind it are counted from there, else no cut may lie under another one. Throws InputError.
-  void SetOffset(const std::string& name, const Place& place);
+  void SetOffset(const std::string& name, const SourceLocation& place);
   const std::string& offset() const { return offset_; }
   void StartWithOffset(std::string_view name) { offset_ = name; }
   /// Heidenhain's datum shift: its X, Y and Z, the others stay.
@@ -107,11 +107,11 @@ class GcodeMotion {
   void TakeDirection(const GcodeMove& move);
   void TakeVector(const GcodeMove& move);
   void SetAxis();
-  void UseOffset(const Place& place);
+  void UseOffset(const SourceLocation& place);
   std::optional<double> FullTurns(const GcodeMove& move) const;
   std::vector<Eigen::Vector3d> Arc(const GcodeMove& move, const Eigen::Vector3d& to);
-  void Append(GcodeWay way, bool rapid);
-  void AppendStraight(const Eigen::Vector3d& to, bool rapid, const Place& place);
+  void Append(GcodePath way, bool rapid);
+  void AppendStraight(const Eigen::Vector3d& to, bool rapid, const SourceLocation& place);
   Eigen::Vector3d TipAt(const Eigen::Vector3d& programmed) const;
 
   const CamReadOptions& options_;

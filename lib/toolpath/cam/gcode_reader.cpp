@@ -316,7 +316,7 @@ class GcodeReader {
 
   // M128 and M129 are tip programming on Heidenhain's controls, M428 to M430 are what each LinuxCNC machine
   // makes of them.
-  bool SwitchKinematics(double m, const Place& place) {
+  bool SwitchKinematics(double m, const SourceLocation& place) {
     const auto stated =
         std::ranges::find(options_.kinematics_codes, m, [](const auto& code) { return code.first; });
     if (stated != options_.kinematics_codes.end()) {

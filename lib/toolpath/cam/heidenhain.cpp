@@ -58,7 +58,7 @@ bool Heidenhain::TakeG(const GcodeWord& word) const {
   return g == 40;
 }
 
-bool Heidenhain::TakeM(double m, const Place& place, GcodeMove& move) {
+bool Heidenhain::TakeM(double m, const SourceLocation& place, GcodeMove& move) {
   if (m == 89 || m == 99) throw InputError(place, fmt::format("M{} calls a cycle, which is not read", m));
   if (m == 91 || m == 92) {
     move.machine = true;

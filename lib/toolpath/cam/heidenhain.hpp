@@ -17,7 +17,7 @@ class Heidenhain {
   /// Throws InputError for G numbers that are not read; true when the number needs no further reading.
   bool TakeG(const GcodeWord& word) const;
   /// True when the M code is Heidenhain's own.
-  bool TakeM(double m, const Place& place, GcodeMove& move);
+  bool TakeM(double m, const SourceLocation& place, GcodeMove& move);
   /// I, J, K of the block become the pole, which an arc without a radius turns about.
   void TakePole(GcodeMove& move);
   /// "MB50" of M140, "LA20" of M120.

@@ -5,8 +5,8 @@
 
 namespace millpose {
 
-void MachineZeros::Take(const std::string& word, const std::vector<double>& numbers, const Place& place,
-                        bool moving) {
+void MachineZeros::Take(const std::string& word, const std::vector<double>& numbers,
+                        const SourceLocation& place, bool moving) {
   ++count_;
   std::vector<double>& last = last_[word];
   last.resize(6, 0);

@@ -15,7 +15,8 @@ class MachineZeros {
  public:
   explicit MachineZeros(const CamReadOptions& options) : options_(options) {}
   /// `moving`: points were read before. Throws InputError.
-  void Take(const std::string& word, const std::vector<double>& numbers, const Place& place, bool moving);
+  void Take(const std::string& word, const std::vector<double>& numbers, const SourceLocation& place,
+            bool moving);
   size_t count() const { return count_; }
   bool used_key() const { return used_key_; }
 

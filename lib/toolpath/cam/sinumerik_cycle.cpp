@@ -56,7 +56,7 @@ void SinumerikCycles::Call(const GcodeWord& call, bool modal) {
     motion_.Drill({}, hole);
 }
 
-void SinumerikCycles::RunModal(const Place& place) {
+void SinumerikCycles::RunModal(const SourceLocation& place) {
   GcodeHole hole = *modal_;
   hole.place = place;
   motion_.Drill({}, hole);

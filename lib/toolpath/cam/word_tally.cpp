@@ -12,7 +12,7 @@ constexpr size_t kMostListed = 50;  // kinds of words
 
 }  // namespace
 
-void WordTally::AddUnknown(const std::string& word, const Place& place) {
+void WordTally::AddUnknown(const std::string& word, const SourceLocation& place) {
   const std::string shown = word.substr(0, kShown);
   const auto found = std::ranges::find(unknown_, shown, &Unknown::word);
   if (found != unknown_.end()) {

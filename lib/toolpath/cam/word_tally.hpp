@@ -15,7 +15,7 @@ class WordTally {
  public:
   void CountHarmless(const std::string& word) { ++harmless_[word.substr(0, kShown)]; }
   /// Each kind of word is reported once, with the place of the first and how many there are.
-  void AddUnknown(const std::string& word, const Place& place);
+  void AddUnknown(const std::string& word, const SourceLocation& place);
   /// Throws InputError when there are unknown words, or `more` that stopped the reading.
   void RefuseUnknown(const std::vector<Problem>& more) const;
   bool empty() const { return unknown_.empty(); }
@@ -26,7 +26,7 @@ class WordTally {
   static constexpr size_t kShown = 40;  // characters
   struct Unknown {
     std::string word;
-    Place place;
+    SourceLocation place;
     size_t count = 0;
   };
   std::map<std::string, size_t> harmless_;

@@ -5,7 +5,7 @@ namespace millpose {
 namespace {
 
 // "G58 X10": a shift of the frame on SINUMERIK, elsewhere an offset and a motion to X10.
-void RefuseShift(const std::string& name, const Place& place, const SenderRules& rules) {
+void RefuseShift(const std::string& name, const SourceLocation& place, const SenderRules& rules) {
   if (rules.g58_shifts)
     throw InputError(
         place, name + " with coordinates shifts the frame and is not read: let the CAM system write TRANS");

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "toolpath/engagement/process_force.hpp"
 #include "toolpath/cutter.hpp"
+#include "toolpath/engagement/process_force.hpp"
 
 namespace millpose {
 

@@ -2,8 +2,8 @@
 // What material stands when the cutter comes to a point: the stock less what the path has taken off before.
 #pragma once
 
-#include "toolpath/engagement/edge_cut.hpp"
 #include "geometry/mesh/mesh.hpp"
+#include "toolpath/engagement/edge_cut.hpp"
 #include "toolpath/milling_point.hpp"
 #include "toolpath/region.hpp"
 

@@ -16,7 +16,7 @@ struct CamStrategy final : Strategy {
   std::vector<RotaryAxis> rotary_axes;
   std::optional<bool> tip_programming;
   std::map<std::string, bool> kinematics_codes;  ///< "M428": X, Y, Z are the tip's from then on, or not
-  CircleWay circle = CircleWay::kBoth;
+  CircleSense circle = CircleSense::kBoth;
   std::optional<CamSender> sender;
   std::optional<double> unit;  ///< mm
   std::optional<CamFrame> frame;
@@ -29,6 +29,9 @@ struct CamStrategy final : Strategy {
   std::string File() const override { return file; }
   bool IsPrescribed() const override { return true; }
   std::vector<std::string> WithoutEffect() const override { return {"share"}; }
+  std::vector<CamSection> Sections(const StrategyInputs& inputs) const override {
+    return Read(inputs).source.sections;
+  }
   LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const override;
 
  private:
@@ -104,7 +107,7 @@ CamPath CamStrategy::OneSection(const CamPath& path) const {
       {file, sections[1].first_line},
       fmt::format("the path has sections for several tools or spindle speeds, and a job mills with "
                   "one: make each an operation (operations:) with its tool and "
-                  "toolpath.cam.section: 1, 2, …{}",
+                  "toolpath.cam.section: 1, 2, …, as `millpose check JOB --split FILE` does{}",
                   list));
 }
 
@@ -207,8 +210,9 @@ yaml::Codec<CamStrategy> CamFields() {
               MapOf<bool>({}, ChoiceOf<bool>({{"tip", true}, {"joints", false}})),
               "Of G-code: what X, Y, Z are from such an M code on, e.g. {M428: tip, M429: joints}."),
        Key<S>("circle", MILLPOSE_AT(circle),
-              ChoiceOf<CircleWay>(
-                  {{"both", CircleWay::kBoth}, {"tangent", CircleWay::kTangent}, {"axis", CircleWay::kAxis}}),
+              ChoiceOf<CircleSense>({{"both", CircleSense::kBoth},
+                                     {"tangent", CircleSense::kTangent},
+                                     {"axis", CircleSense::kAxis}}),
               "Of APT: what decides which way round a CIRCLE with an axis goes where the cut before and the "
               "axis's sign contradict; both: the file is refused there."),
        Key<S>("sender", MILLPOSE_AT(sender), Maybe(SenderCodec()),
@@ -221,9 +225,8 @@ yaml::Codec<CamStrategy> CamFields() {
               Maybe(ChoiceOf<CamFrame>({{"stated", CamFrame::kStated}, {"as_given", CamFrame::kAsGiven}})),
               "Of APT: whether systems that comments state (CATIA0, CSYS) place the points in the workpiece "
               "frame, "
-              "or they stand there as they are written, which says the same of ORIGIN and TRANS. Default: "
-              "CATIA0 "
-              "does; others are refused."),
+              "or they stand there as they are written, which says the same of ORIGIN and TRANS. Default: a "
+              "CATIA0 that turns no axes does; others are refused."),
        Key<S>("cycle_point", MILLPOSE_AT(cycle_point),
               Maybe(ChoiceOf<CyclePoint>({{"top", CyclePoint::kTop}, {"bottom", CyclePoint::kBottom}})),
               "Of APT: which end of a hole the point under a cycle by places (CYCLE/DRILL,12,MMPM,120,5) is, "

@@ -22,7 +22,7 @@ class Contours final : public SurfaceStrategy {
     if (lines.largest() <= options.region.rim_distance) return layout;
     for (const double level : SpreadEvenly(options.region.rim_distance, lines.largest(), options.stepover)) {
       CheckStop(stop);
-      Lane lane;
+      CurveGroup lane;
       lane.curves = lines.At(level, stop);
       lane.advance = distance;
       layout.lanes.push_back(std::move(lane));

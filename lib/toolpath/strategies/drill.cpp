@@ -240,7 +240,7 @@ std::vector<std::string> Drill::WithoutEffect() const {
 }
 
 // A hole is drilled from one station: where its entrance lies.
-void KeepShare(const PathShare& share, std::vector<DrilledHole>& holes) {
+void KeepShare(const PathSection& share, std::vector<DrilledHole>& holes) {
   if (share.overlap > 0)
     throw InputError({},
                      "toolpath.share.overlap_mm: has no effect with strategy drill: a hole is drilled from "

@@ -70,8 +70,8 @@ class PadMaker {
     return loops;
   }
 
-  Lane& AddLane(Curve curve) {
-    Lane& lane = layout_.lanes.emplace_back();
+  CurveGroup& AddLane(Curve curve) {
+    CurveGroup& lane = layout_.lanes.emplace_back();
     lane.curves.push_back(std::move(curve));
     lane.clipped = true;
     return lane;

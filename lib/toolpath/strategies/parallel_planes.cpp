@@ -48,7 +48,7 @@ Layout ParallelPlanes::Lay(const Region& region, const ToolpathOptions& options,
   Eigen::Vector3d along = normal.cross(region.MeanNormal());
   if (along.norm() < 1e-6) along = normal.unitOrthogonal();
   for (auto& curves : SliceByPlanes(region.mesh(), normal, scale.Positions(), stop)) {
-    Lane lane;
+    CurveGroup lane;
     lane.curves = std::move(curves);
     lane.progress = [along](const Eigen::Vector3d& p) { return along.dot(p); };
     lane.advance = [across = normal](const Eigen::Vector3d& p) { return across.dot(p); };

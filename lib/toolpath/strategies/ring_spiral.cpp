@@ -93,8 +93,8 @@ class SpiralMaker {
 
 }  // namespace
 
-Lane MakeSpiral(const SpiralPlan& plan, const std::stop_token& stop) {
-  Lane lane;
+CurveGroup MakeSpiral(const SpiralPlan& plan, const std::stop_token& stop) {
+  CurveGroup lane;
   lane.curves = SpiralMaker(plan).Run(stop);
   lane.oriented = true;
   // By turns; of the rings, which are one turn each, by the angle.

@@ -21,6 +21,6 @@ struct SpiralPlan {
 
 /// A ring, turns with even pitch (of passes), a ring: without the rings the first and last turn would leave a
 /// crescent. Throws InputError when it needs too many triangles; Interrupted.
-Lane MakeSpiral(const SpiralPlan& plan, const std::stop_token& stop);
+CurveGroup MakeSpiral(const SpiralPlan& plan, const std::stop_token& stop);
 
 }  // namespace millpose

@@ -127,7 +127,7 @@ class RingMaker {
   }
 
   void AddRings(std::vector<Curve> curves, double seam) {
-    Lane lane;
+    CurveGroup lane;
     for (const Curve& curve : curves) {
       lane.curves.push_back(frame_.Turned(curve));
       frame_.MoveSeam(lane.curves.back(), seam);

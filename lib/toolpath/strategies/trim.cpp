@@ -5,7 +5,7 @@
 #include "base/error.hpp"
 #include "toolpath/strategies/section_check.hpp"
 #include "toolpath/strategies/trim_offset.hpp"
-#include "toolpath/strategies/trim_way.hpp"
+#include "toolpath/strategies/trim_track.hpp"
 #include "toolpath/strategy_entry.hpp"
 
 namespace millpose {

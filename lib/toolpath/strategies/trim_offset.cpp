@@ -167,9 +167,9 @@ class Offsetter {
     return near_.At(node.place, node.axis) >= options_.distance * (1 - twist / 4) - kTouch;
   }
 
-  size_t PieceFrom(size_t crossing) const { return aside_.closed ? crossing : crossing + 1; }
+  size_t SegmentFrom(size_t crossing) const { return aside_.closed ? crossing : crossing + 1; }
 
-  size_t PieceUpTo(size_t crossing) const {
+  size_t SegmentUpTo(size_t crossing) const {
     if (!aside_.closed) return crossing;
     return (crossing + crossings_.size() - 1) % crossings_.size();
   }
@@ -177,14 +177,14 @@ class Offsetter {
   bool HasBefore(size_t piece) const {
     const size_t begin = pieces_[piece].begin;
     if (begin == kNoCrossing) return aside_.closed;
-    return pieces_[PieceUpTo(crossings_[begin].other)].fits || pieces_[PieceUpTo(begin)].fits;
+    return pieces_[SegmentUpTo(crossings_[begin].other)].fits || pieces_[SegmentUpTo(begin)].fits;
   }
 
   // The piece that goes on where this one ends: at a crossing the way changes to the other strand.
   size_t NextOf(size_t piece, const std::vector<char>& used, size_t first) const {
     const size_t end = pieces_[piece].end;
     if (end == kNoCrossing) return aside_.closed ? first : kNoCrossing;
-    for (const size_t next : {PieceFrom(crossings_[end].other), PieceFrom(end)})
+    for (const size_t next : {SegmentFrom(crossings_[end].other), SegmentFrom(end)})
       if (pieces_[next].fits && (used[next] == 0 || next == first)) return next;
     return kNoCrossing;
   }
@@ -210,7 +210,7 @@ class Offsetter {
       offset.paths.push_back(std::move(path));
   }
 
-  WaySample SampleAt(size_t side, double share) const {
+  TrackSample SampleAt(size_t side, double share) const {
     const size_t at = aside_.sides[side].at;
     return {aside_.At(side, share), std::min(at, contour_.Segments() - 1), 0};
   }
@@ -220,8 +220,8 @@ class Offsetter {
   }
 
   // A crossing lies between both strands, which differ in height on a curved skin.
-  WaySample AtCrossing(size_t crossing, double rise) const {
-    WaySample sample = SampleAt(crossings_[crossing].side, crossings_[crossing].share);
+  TrackSample AtCrossing(size_t crossing, double rise) const {
+    TrackSample sample = SampleAt(crossings_[crossing].side, crossings_[crossing].share);
     sample.node.place = (NodeAt(crossing).place + NodeAt(crossings_[crossing].other).place) / 2;
     sample.rise = rise;
     return sample;
@@ -243,7 +243,7 @@ class Offsetter {
   // What the cutter leaves of the contour between two strands that cross, if nothing there fits.
   void Tell(size_t end, size_t start, std::vector<TightCorner>& corners) const {
     for (size_t i = end; i != start; i = (i + 1) % crossings_.size())
-      if (pieces_[PieceFrom(i)].fits) return;
+      if (pieces_[SegmentFrom(i)].fits) return;
     const OffsetNode node = AtCrossing(end, 0).node;
     const size_t first = SegmentOf(end), last = SegmentOf(start), count = contour_.points.size();
     TightCorner corner;

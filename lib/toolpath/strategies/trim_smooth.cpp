@@ -32,7 +32,7 @@ class AxisMean {
   double half() const { return half_; }
   double begin(size_t side) const { return begins_[side]; }
   size_t sides() const { return sides_; }
-  const WaySample& After(size_t side) const { return way_.samples[(side + 1) % way_.samples.size()]; }
+  const TrackSample& After(size_t side) const { return way_.samples[(side + 1) % way_.samples.size()]; }
 
   /// Of an open way the length shrinks towards its ends, where `own` is the axis.
   Eigen::Vector3d At(double s, const Eigen::Vector3d& own) const {
@@ -66,7 +66,7 @@ class Smoother {
     for (size_t i = way.closed ? 0 : 1; i < way.samples.size(); ++i)
       if (way.samples[i].rise != 0) rises_.push_back(i);
     const Eigen::Vector3d& axis = way.samples[0].node.axis;
-    even_ = rises_.empty() && std::ranges::all_of(way.samples, [&](const WaySample& sample) {
+    even_ = rises_.empty() && std::ranges::all_of(way.samples, [&](const TrackSample& sample) {
               return (sample.node.axis - axis).norm() < 1e-12;
             });
   }
@@ -93,7 +93,7 @@ class Smoother {
   }
 
   void Add(size_t side, double share, double& lean) {
-    const WaySample &from = way_.samples[side], &to = mean_.After(side);
+    const TrackSample &from = way_.samples[side], &to = mean_.After(side);
     const bool end = side == mean_.sides();  // of an open way
     const double length = end ? 0 : mean_.begin(side + 1) - mean_.begin(side);
     const double s = mean_.begin(side) + share * length;

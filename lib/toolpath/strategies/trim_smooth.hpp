@@ -9,14 +9,14 @@ namespace millpose {
 
 /// A node of the way and what of the contour it lies beside. Where the way leaves one part of the contour for
 /// another, two follow each other at one place.
-struct WaySample {
+struct TrackSample {
   OffsetNode node;
   size_t segment = 0;  ///< of the contour
   double rise = 0;     ///< by which this part's plane lies over that of the sample before, mm
 };
 
 struct Way {
-  std::vector<WaySample> samples;
+  std::vector<TrackSample> samples;
   bool closed = false;
 };
 

@@ -4,9 +4,9 @@
 
 #include "base/error.hpp"
 #include "base/shown.hpp"
+#include "base/yaml/value.hpp"
 #include "job/config/config.hpp"
 #include "tests/job/config/cell_head.hpp"
-#include "base/yaml/value.hpp"
 
 namespace millpose {
 namespace {
@@ -169,7 +169,7 @@ const Slip kJobSlips[] = {
      "pose.objective.w1: given -1; allowed: at least 0"},
     {"millpose_job: 1", "millpose_job: 2", 1, 15, "millpose_job: given 2; allowed: integer 1"},
     {"millpose_job: 1", "\xef\xbb\xbfmillpose_job: 2", 1, 15, "millpose_job: given 2; allowed: integer 1"},
-    {"programs: [krl]", "programs: [krl, fanuc]", 18, 17, "programs[1]: given fanuc; allowed: one of krl"},
+    {"programs: [krl]", "programs: [krl, fanoc]", 18, 17, "programs[1]: given fanoc; allowed: one of krl"},
     {"programs: [krl]", "programs: krl", 18, 11, "programs: given krl; allowed: a list"},
     {"programs: [krl]", "programs: [krl", 19, 1, "not YAML: "},
     {"programs: [krl]", "programs: [krl]\n---\nname: b", 19, 1, "a second document starts here"},
@@ -398,7 +398,7 @@ TEST(BrokenYaml, ColumnsAfterALongLineAreThoseOfCharacters) {
     } catch (const InputError& error) {
       return error.problems().at(0).place;
     }
-    return Place{};
+    return SourceLocation{};
   };
   EXPECT_EQ(place(list + "*a]").column, 1 + 3 * 3000 + 1);
   EXPECT_EQ(place(list + "x,\n ü, *a]").line, 2);

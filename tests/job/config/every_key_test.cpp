@@ -3,9 +3,9 @@
 // is an error at that key's own line.
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "base/yaml/value.hpp"
 #include "job/config/config.hpp"
 #include "tests/base/source_dir.hpp"
-#include "base/yaml/value.hpp"
 
 namespace millpose {
 namespace {

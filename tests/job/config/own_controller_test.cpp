@@ -72,17 +72,18 @@ TEST(OwnController, ItsKeysAreReadAndWritten) {
 }
 
 TEST(OwnController, SlipsAreToldWithTheirPlace) {
-  for (const auto& [text, message] :
-       {std::pair{"  plain:\n    spindle_prt: 7\n",
-                  "controllers.plain.spindle_prt: unknown key; nearest known key: spindle_port"},
-        {"  plain:\n    spindle_port: 10\n",
-         "controllers.plain.spindle_port: given 10; allowed: integer 1…9"},
-        {"  krl:\n    spindle_port: 7\n",
-         "controllers.krl.spindle_port: krl programs do not know this; allowed for: plain"},
-        {"  plain:\n    advance: 2\n",
-         "controllers.plain.advance: plain programs do not know this; allowed for: krl"},
-        {"  plain:\n    max_motions: 50\n",
-         "controllers.plain.max_motions: plain programs do not know this; allowed for: krl, sinumerik"}}) {
+  for (
+      const auto& [text, message] :
+      {std::pair{"  plain:\n    spindle_prt: 7\n",
+                 "controllers.plain.spindle_prt: unknown key; nearest known key: spindle_port"},
+       {"  plain:\n    spindle_port: 10\n", "controllers.plain.spindle_port: given 10; allowed: integer 1…9"},
+       {"  krl:\n    spindle_port: 7\n",
+        "controllers.krl.spindle_port: krl programs do not know this; allowed for: plain"},
+       {"  plain:\n    advance: 2\n",
+        "controllers.plain.advance: plain programs do not know this; allowed for: krl"},
+       {"  plain:\n    max_motions: 50\n",
+        "controllers.plain.max_motions: plain programs do not know this; allowed for: krl, sinumerik, fanuc, "
+        "rapid"}}) {
     const std::vector<Problem> problems = ProblemsOf(text);
     ASSERT_EQ(problems.size(), 1u) << text;
     EXPECT_EQ(problems[0].message, message);

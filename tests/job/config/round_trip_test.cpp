@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <filesystem>
 
+#include "base/error.hpp"
 #include "base/file.hpp"
 #include "job/config/config.hpp"
 #include "program/krl/krl.hpp"
@@ -140,6 +141,51 @@ TEST(RoundTrip, EveryConditionOfARegionSurvives) {
   EXPECT_EQ(region.any[1].polygon->points.at(2).y(), 1.5);
   EXPECT_EQ(region.none.at(0).connected->seed, Eigen::Vector3d(7, 8, 9));
   EXPECT_EQ(region.rim_distance, 2.5);
+}
+
+// What `millpose register` writes: every bit, and what is no covariance or of another pose is refused.
+TEST(RoundTrip, ARegisteredPlaceSurvives) {
+  const std::filesystem::path file = std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml";
+  const std::string text = ReadFile(file),
+                    pose = "{xyz_mm: [2076.1234, 0.3, 1006], abc_deg: [0.1234567, -90, 0]}";
+  const auto with = [&](const std::string& of, const std::string& numbers) {
+    std::string job = text;
+    const std::string given = "pose: {xyz_mm: [2076, 0, 1006], abc_deg: [0, -90, 0]}";
+    job.replace(
+        job.find(given), given.size(),
+        fmt::format(
+            "pose: {}\n  registration: {{tolerance_mm: 0.15}}\n  registered: {{pose: {}, centre_mm: [1.5, "
+            "-2, 3], covariance_mm_mrad: [{}]}}",
+            pose, of, numbers));
+    return job;
+  };
+  const std::string numbers =
+      "0.01, 0.0012, 0.0225, 0, 0, 0.04, 1e-3, 0, 0, 0.0123457, 0, 2e-3, 0, 0, 0.3, 0, 0, -0.1, 0, 0, 0.7";
+  const std::string written = WriteJob(ParseJob(with(pose, numbers), "job"));
+  const JobSettings again = ParseJob(written, "written");
+  EXPECT_EQ(WriteJob(again), written);
+  ASSERT_TRUE(again.workpiece.registered);
+  EXPECT_EQ(again.workpiece.registration_tolerance, 0.15);
+  const Eigen::Matrix<double, 6, 6>& covariance = again.workpiece.registered->covariance;
+  EXPECT_EQ(covariance(1, 0), 0.0012);
+  EXPECT_DOUBLE_EQ(covariance(0, 3), 1e-6);
+  EXPECT_DOUBLE_EQ(covariance(5, 5), 0.7e-6);
+  EXPECT_EQ(again.workpiece.registered->centre, Eigen::Vector3d(1.5, -2, 3));
+  const auto refusal = [&](const std::string& of, const std::string& given) -> std::string {
+    try {
+      ParseJob(with(of, given), "job");
+      return "";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_NE(refusal("{xyz_mm: [2076, 0, 1006], abc_deg: [0, -90, 0]}", numbers)
+                .find("job:13:3: workpiece.registered: is of another pose than workpiece.pose"),
+            std::string::npos);
+  std::string wrong = numbers;
+  wrong.replace(wrong.find("0.0012"), 6, "0.02");
+  EXPECT_NE(refusal(pose, wrong).find("is no covariance: row 2, column 1"), std::string::npos);
+  EXPECT_NE(refusal(pose, "1, 2, 3").find("allowed: a list of 21 numbers"), std::string::npos);
 }
 
 TEST(RoundTrip, EveryKindOfKeySurvives) {

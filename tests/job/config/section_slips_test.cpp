@@ -190,5 +190,41 @@ TEST(SectionSlips, OfWhereExternalAxesStand) {
             "external[0].step_deg: given beside the other unit");
 }
 
+TEST(SectionSlips, OfGears) {
+  const auto cell = [](const std::string& arm, const std::string& axes = kRail,
+                       const std::string& more = "") {
+    return Filled(CellWith(axes, more), {{"home_deg:", arm + "home_deg:"}});
+  };
+  constexpr const char* kWidths = "  lost_motion_arcmin: [0.3, 0, 0.6, 1, 0.3, 0.3]\n";
+  constexpr const char* kSource = "  lost_motion_source: measured\n";
+  const CellSettings read = ParseCell(
+      cell(std::string(kWidths) + kSource + "  gear_couplings: [{gear: 3, axis: 2, factor: 1}]\n"), "f.yaml");
+  EXPECT_NEAR((*read.arm.lost_motion)[2], DegToRad(0.01), 1e-15);
+  EXPECT_EQ(GearMatrix(read.arm)(2, 1), 1);
+  EXPECT_EQ(WriteCell(ParseCell(WriteCell(read), "f.yaml")), WriteCell(read));
+  ExpectCell(cell("  ^lost_motion_arcmin: [0.3, 0, 0.6, 1, 0.3, 0.3]\n"),
+             "arm.lost_motion_source: missing; required with lost_motion_arcmin");
+  ExpectCell(cell("  ^lost_motion_source: guessed\n"), "arm.lost_motion_source: has no effect here");
+  ExpectCell(cell("  lost_motion_arcmin: [0.3, 0, 0.6, 1, 0.3, ^61]\n" + std::string(kSource)),
+             "arm.lost_motion_arcmin[5]: given 61");
+  ExpectCell(cell("  ^gear_friction_Nm: [1, 1, 1, 1, 1, 1]\n"),
+             "arm.gear_friction_Nm: has no effect here: the cell says no weights");
+  ExpectCell(cell("  gear_couplings: [{gear: 3, axis: ^3, factor: 1}]\n"),
+             "arm.gear_couplings[0].axis: given 3, the gear's own");
+  ExpectCell(cell("  gear_couplings: [{gear: 3, axis: 2, factor: ^0}]\n"),
+             "arm.gear_couplings[0].factor: given 0");
+  ExpectCell(cell("  gear_couplings: [{gear: 3, axis: 2, factor: 1}, ^{gear: 3, axis: 2, factor: -1}]\n"),
+             "arm.gear_couplings[1]: given gear 3 with axis 2 twice");
+  ExpectCell(cell("  gear_couplings: ^[{gear: 3, axis: 2, factor: 1}, {gear: 2, axis: 3, factor: 1}]\n"),
+             "arm.gear_couplings: given couplings that leave axes without a gear of their own");
+  std::string rail = kRail;
+  rail.replace(rail.find('}'), 1, ", ^lost_motion_um: 20}");
+  ExpectCell(cell("", rail), "external_axes[0].lost_motion_source: missing");
+  rail.replace(rail.find("^lost_motion_um: 20"), 19, "^lost_motion_arcmin: 2, lost_motion_source: x");
+  ExpectCell(
+      cell("", rail),
+      "external_axes[0].lost_motion_arcmin: has no effect here: kind is linear; allowed: lost_motion_um");
+}
+
 }  // namespace
 }  // namespace millpose

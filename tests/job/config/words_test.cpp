@@ -4,9 +4,9 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "base/yaml/value.hpp"
 #include "job/config/config.hpp"
 #include "tests/base/source_dir.hpp"
-#include "base/yaml/value.hpp"
 
 namespace millpose {
 namespace {

@@ -140,6 +140,32 @@ TEST(Apart, ProvesNoMoreThanTheDistanceOfTwoConvexParts) {
   EXPECT_GT(proven, 0.8 * distances);
 }
 
+TEST(Apart, ProvesNoMoreThanTheDistanceOfTwoMeshes) {
+  RandomStream random(15, 0);
+  const std::vector<Triangles> meshes{Revolve({{-30, 60}, {40, 90}}, 12), BoxMesh({80, 200, 5}),
+                                      Revolve({{-90, 20}, {90, 25}}, 8)};
+  int proven = 0, apart = 0;
+  for (const Triangles& a : meshes)
+    for (const Triangles& b : meshes) {
+      const FclPart first = MakePart(a), second = MakePart(b);
+      for (int trial = 0; trial < 30; ++trial) {
+        const Pose X_A = RandomPose(random, 200), X_B = RandomPose(random, 200);
+        const double truth = std::min(kFarthest, BruteDistance(Moved(a, X_A), Moved(b, X_B)));
+        const double least = ProvenDistance(PlacePart(first, X_A), PlacePart(second, X_B), kFarthest, 20);
+        apart += truth >= 20;
+        if (least < 20) continue;  // nothing is proven
+        ++proven;
+        EXPECT_LE(least, truth + 1e-9);
+      }
+    }
+  EXPECT_GT(proven, 0.6 * apart) << apart;
+  // One in the other touches no triangle.
+  const FclPart outer = MakePart(BoxMesh({400, 400, 400})), inner = MakePart(BoxMesh({10, 20, 30}));
+  const Placed x = PlacePart(outer, Pose::Identity()), y = PlacePart(inner, Pose::Identity());
+  EXPECT_EQ(ProvenDistance(x, y, 10, 10), 0);
+  EXPECT_EQ(ProvenDistance(y, x, 10, 10), 0);
+}
+
 TEST(Apart, BoxesAreApartWhereTheirDistanceSaysSo) {
   RandomStream random(14, 0);
   int apart = 0, near = 0;

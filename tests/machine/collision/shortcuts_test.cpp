@@ -30,7 +30,7 @@ Joints Near(RandomStream& random, const Joints& q, double by) {
   return near;
 }
 
-void ExpectSame(const std::optional<Sighting>& a, const std::optional<Sighting>& b) {
+void ExpectSame(const std::optional<ContactCandidate>& a, const std::optional<ContactCandidate>& b) {
   ASSERT_EQ(a.has_value(), b.has_value());
   if (!a) return;
   EXPECT_EQ(a->pair, b->pair);

@@ -5,8 +5,8 @@
 
 #include "base/random.hpp"
 #include "base/units.hpp"
-#include "toolpath/engagement/cutting_material.hpp"
 #include "tests/machine/stiffness/random_vectors.hpp"
+#include "toolpath/engagement/cutting_material.hpp"
 
 namespace millpose {
 namespace {

@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
   const PlannedJob planned = PlanJob(job, NoCheckpoints(), {});
   for (const PassResult& pass : planned.plan.passes)
     for (const PlannedPoint& point : pass.points) {
-      if (point.skip != Obstacle::kNone) continue;
+      if (point.skip != Infeasibility::kNone) continue;
       std::printf("%.9g", point.objective);
       for (int i = 0; i < 6; ++i) std::printf(" %.9g", point.q[i]);
       std::printf("\n");

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "machine/robot/kinematics.hpp"
 #include "planning/compensation/gain.hpp"
 #include "planning/result/station.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/planning/compensation/forced_plan.hpp"
 
 namespace millpose {

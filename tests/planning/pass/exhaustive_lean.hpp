@@ -45,7 +45,7 @@ inline double ExhaustiveLeanSum(const PoseProblem& problem, const PathOptions& o
         for (int r = 0; r < rotations; ++r)
           for (int branch = 0; branch < 8; ++branch) {
             const Candidate& candidate = candidates[8 * static_cast<size_t>(r) + static_cast<size_t>(branch)];
-            if (candidate.obstacle != Obstacle::kNone) continue;
+            if (candidate.obstacle != Infeasibility::kNone) continue;
             Node& node = now[at(branch, r, lead, tilt)];
             node.objective = candidate.objective;
             node.q = candidate.q;

@@ -33,7 +33,7 @@ struct Swerve {
               .mount = Mount::kWorld,
               .shape = Sphere{radius}};
     const Candidate there = row.scorers[t].ScoreOne({row.path[t].freedoms[0] - less}, row.path[t].branch);
-    EXPECT_EQ(there.obstacle, Obstacle::kNone);
+    EXPECT_EQ(there.obstacle, Infeasibility::kNone);
     ball.X_MG.translation() = carrier.ToolPose(there.q) * feeler.X_MG.translation();
     cell.bodies.push_back(ball);
   }
@@ -74,7 +74,7 @@ void ExpectGoesRound(Swerve& swerve, double less) {
   std::vector<PathNode> path = swerve.row.path;
   std::vector<std::shared_ptr<PointVerdicts>> known;
   for (size_t i = 0; i < path.size(); ++i) known.push_back(std::make_shared<PointVerdicts>());
-  PieceChecker checker({world, swerve.carrier, kResolution, true, 2, {}}, known, {});
+  SegmentChecker checker({world, swerve.carrier, kResolution, true, 2, {}}, known, {});
   SmoothFree(swerve.row.scorers, swerve.row.points, swerve.Options(), checker, path);
   EXPECT_TRUE(swerve.Free(world, path));
   EXPECT_GT(path[30].freedoms[0], swerve.row.path[30].freedoms[0] - less);
@@ -106,7 +106,7 @@ TEST(SmoothFree, IsSmoothPathWhereNothingIsInTheWay) {
   std::vector<PathNode> path = swerve.row.path;
   std::vector<std::shared_ptr<PointVerdicts>> known;
   for (size_t i = 0; i < path.size(); ++i) known.push_back(std::make_shared<PointVerdicts>());
-  PieceChecker checker({world, swerve.carrier, kResolution, true, 2, {}}, known, {});
+  SegmentChecker checker({world, swerve.carrier, kResolution, true, 2, {}}, known, {});
   SmoothFree(swerve.row.scorers, swerve.row.points, swerve.Options(), checker, path);
   EXPECT_LE(swerve.Rms(path), swerve.Rms(blind));  // it may be run again
   EXPECT_GT(swerve.Rms(path), 0.9 * swerve.Rms(blind));

@@ -128,7 +128,7 @@ TEST(LadderBound, OfAPassRoundAnObstacle) {
   int barred = 0;
   for (size_t t = 0; t < result.points.size(); ++t) {
     const PlannedPoint& point = result.points[t];
-    ASSERT_EQ(point.skip, Obstacle::kNone);
+    ASSERT_EQ(point.skip, Infeasibility::kNone);
     EXPECT_LE(point.free_optimum, std::min(point.unsmoothed, point.objective));
     barred += point.free_optimum > 1.0001 * point.own_optimum;
     const PointScorer scorer(problem, pass.points[t], pass.rotation_reference);

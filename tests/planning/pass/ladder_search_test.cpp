@@ -52,7 +52,7 @@ TEST(MakeLayer, OfATableIsThatOfASeedForEveryEntry) {
     }
     others.push_back(of_table[1]);
     others.push_back(of_table[2]);
-    others.back().candidate.obstacle = Obstacle::kLimit;
+    others.back().candidate.obstacle = Infeasibility::kLimit;
     seeds.insert(seeds.end(), others.begin(), others.end());
     ExpectSameNodes(MakeLayer(scorer, table, others, all_revolutions),
                     MakeLayer(scorer, seeds, all_revolutions));

@@ -54,16 +54,16 @@ TEST_F(LargeStepsTest, OnesThatBendAsFarAsTheyMay) {
 }
 
 TEST_F(LargeStepsTest, OnesAtPointsThatNoStepJoinsAndWhereThePassIsSplit) {
-  plan_.points[0].skip = Obstacle::kStep;
+  plan_.points[0].skip = Infeasibility::kStep;
   EXPECT_EQ(Steps(), (std::vector<size_t>{0, 1}));
-  plan_.points[0].skip = Obstacle::kNone;
+  plan_.points[0].skip = Infeasibility::kNone;
   for (size_t t = 8; t < 10; ++t) plan_.points[t].piece = 1;
   EXPECT_EQ(Steps(), (std::vector<size_t>{6, 7, 8}));
 }
 
 TEST_F(LargeStepsTest, NoneBesidePointsThatAreSkippedForAnythingElse) {
-  plan_.points[3].skip = plan_.points[5].skip = Obstacle::kInterference;
-  plan_.points[4].skip = Obstacle::kStep;
+  plan_.points[3].skip = plan_.points[5].skip = Infeasibility::kInterference;
+  plan_.points[4].skip = Infeasibility::kStep;
   EXPECT_EQ(Steps(), (std::vector<size_t>{}));
 }
 

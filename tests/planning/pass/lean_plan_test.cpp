@@ -36,7 +36,7 @@ void ExpectLeansSound(const PoseProblem& problem, const PathOptions& options, co
   const std::vector<double> most = LeanBounds(problem, options.max_lean_change, pass.points);
   for (size_t t = 0; t < plan.points.size(); ++t) {
     const PlannedPoint& planned = plan.points[t];
-    ASSERT_EQ(planned.skip, Obstacle::kNone) << planned.detail;
+    ASSERT_EQ(planned.skip, Infeasibility::kNone) << planned.detail;
     const Pose X_WT = problem.X_WB * ForwardFlange(problem.arm, planned.q) * problem.X_FT;
     EXPECT_LT((X_WT.translation() - planned.point.position).norm(), 1e-8);
     EXPECT_LT((X_WT.linear().col(2) - planned.point.tool_axis).norm(), 1e-10);
@@ -118,7 +118,7 @@ TEST(LeanPlan, NoPointsOwnOptimumLiesAboveItsPlan) {
         pass.points.back().arc_length = 20 * t;
       }
       for (const PlannedPoint& point : Plan(problem, pass, options).points) {
-        if (point.skip != Obstacle::kNone) continue;
+        if (point.skip != Infeasibility::kNone) continue;
         EXPECT_LE(point.own_optimum, point.free_optimum) << front << " " << step;
         EXPECT_LE(point.free_optimum, point.objective) << front << " " << step;
       }
@@ -222,7 +222,7 @@ TEST(LeanPlan, TakesAnotherLeanWhereTheNominalOneGouges) {
     problem = LeaningProblem(2, 1);
     Mill(edge, kTolerance, problem);
     for (const PlannedPoint& point : Plan(problem, pass, options).points)
-      EXPECT_EQ(point.skip, Obstacle::kGouge) << point.detail;
+      EXPECT_EQ(point.skip, Infeasibility::kGouge) << point.detail;
   }
 }
 
@@ -237,13 +237,14 @@ TEST(LeanPlan, LosesNothingToInterferenceThatTheNominalLeanKeeps) {
   const PassResult plan = PlanPass(problem, world, {pass}, options, {.threads = 2});
   const PassResult nominal = PlanPass(AtOwnAxis(problem), world, {pass}, options, {.threads = 2});
   const auto skipped = [](const PassResult& of) {
-    return std::ranges::count_if(of.points, [](const PlannedPoint& p) { return p.skip != Obstacle::kNone; });
+    return std::ranges::count_if(of.points,
+                                 [](const PlannedPoint& p) { return p.skip != Infeasibility::kNone; });
   };
   EXPECT_EQ(skipped(plan), skipped(nominal));
   EXPECT_LE(Sum(plan), Sum(nominal));
   Checker checker(world);
   for (const PlannedPoint& point : plan.points)
-    if (point.skip == Obstacle::kNone) {
+    if (point.skip == Infeasibility::kNone) {
       EXPECT_FALSE(checker.Blocked(point.q, Phase::kCutting));
     }
 }

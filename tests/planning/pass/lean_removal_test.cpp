@@ -118,7 +118,7 @@ TEST(LeanRemoval, APlanLeavesNoMoreThanTheScallopAndKeepsItsContacts) {
         PlanPass(problem, World(EmptyCell(problem)), {pass, p, 0}, Options(), {.threads = 2});
     Way& way = ways.emplace_back();
     for (const PlannedPoint& planned : plan.points) {
-      ASSERT_EQ(planned.skip, Obstacle::kNone) << planned.detail;
+      ASSERT_EQ(planned.skip, Infeasibility::kNone) << planned.detail;
       const MillingPoint& point = planned.point;
       const Pose X_WT = problem.X_WB * ForwardFlange(problem.arm, planned.q) * problem.X_FT;
       way.tips.push_back(X_WT.translation());

@@ -18,12 +18,12 @@ TEST(PlanPass, GoesRoundWhatIsInTheWay) {
   double objective = 0, objective_before = 0;
   Checker checker(world);
   for (size_t t = 0; t < pass.points.size(); ++t) {
-    ASSERT_EQ(result.points[t].skip, Obstacle::kNone) << t << result.points[t].detail;
+    ASSERT_EQ(result.points[t].skip, Infeasibility::kNone) << t << result.points[t].detail;
     EXPECT_FALSE(checker.At(result.points[t].q, Phase::kCutting).has_value());
     objective += result.points[t].objective;
     objective_before += before.points[t].objective;
   }
-  for (const Piece& piece : result.pieces) {
+  for (const Segment& piece : result.pieces) {
     for (int t = piece.first; t < piece.last; ++t) {
       EXPECT_FALSE(checker.Between(result.points[t].q, result.points[t + 1].q, Phase::kCutting).has_value());
     }
@@ -44,11 +44,11 @@ TEST(PlanPass, SaysWhichBodiesBarAPoint) {
   cell.bodies = {spindle, rod};
   const PassResult result = PlanPass(problem, World(cell), {pass}, Options(), {.threads = 2});
   ExpectSound(problem, Options(), pass, result);
-  EXPECT_EQ(result.points[6].skip, Obstacle::kInterference);
+  EXPECT_EQ(result.points[6].skip, Infeasibility::kInterference);
   EXPECT_NE(result.points[6].detail.find("spindle"), std::string::npos) << result.points[6].detail;
   EXPECT_NE(result.points[6].detail.find("rod"), std::string::npos) << result.points[6].detail;
-  EXPECT_EQ(result.points[0].skip, Obstacle::kNone);
-  EXPECT_EQ(result.points[15].skip, Obstacle::kNone);
+  EXPECT_EQ(result.points[0].skip, Infeasibility::kNone);
+  EXPECT_EQ(result.points[15].skip, Infeasibility::kNone);
 }
 
 }  // namespace

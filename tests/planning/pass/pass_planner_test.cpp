@@ -33,8 +33,8 @@ TEST(PlanPass, APointAloneBetweenSkippedOnesSaysSo) {
   pass.points[4].gouge = pass.points[6].gouge = 0.2;
   const PassResult result = PlanPass(problem, World(EmptyCell(problem)), {pass}, Options(), {.threads = 2});
   ExpectSound(problem, Options(), pass, result);
-  EXPECT_EQ(result.points[4].skip, Obstacle::kGouge);
-  EXPECT_EQ(result.points[5].skip, Obstacle::kStep);
+  EXPECT_EQ(result.points[4].skip, Infeasibility::kGouge);
+  EXPECT_EQ(result.points[5].skip, Infeasibility::kStep);
   EXPECT_EQ(result.points[5].detail, "is alone between skipped points; a single point is no cut");
   EXPECT_EQ(result.pieces.size(), 2u);
 }
@@ -74,9 +74,9 @@ TEST(PlanPass, OneBadPointDoesNotCostThePass) {
   pass.points[7].position.x() += 9000;  // leaves point 6 alone
   const PassResult result = PlanPass(problem, world, {pass}, Options(), {.threads = 2});
   ExpectSound(problem, Options(), pass, result);
-  EXPECT_EQ(result.points[5].skip, Obstacle::kUnreachable);
-  EXPECT_EQ(result.points[6].skip, Obstacle::kStep);
-  EXPECT_EQ(result.points[7].skip, Obstacle::kUnreachable);
+  EXPECT_EQ(result.points[5].skip, Infeasibility::kUnreachable);
+  EXPECT_EQ(result.points[6].skip, Infeasibility::kStep);
+  EXPECT_EQ(result.points[7].skip, Infeasibility::kUnreachable);
   ASSERT_EQ(result.pieces.size(), 2u);
   EXPECT_EQ(result.pieces[1].first, 8);
 }
@@ -90,7 +90,7 @@ TEST(PlanPass, HalfThePartOutOfReachLeavesTheOtherHalf) {
   ExpectSound(problem, Options(), pass, result);
   ASSERT_EQ(result.pieces.size(), 1u);
   for (int t = 0; t < 24; ++t) {
-    EXPECT_EQ(result.points[t].skip, t < 12 ? Obstacle::kNone : Obstacle::kUnreachable) << t;
+    EXPECT_EQ(result.points[t].skip, t < 12 ? Infeasibility::kNone : Infeasibility::kUnreachable) << t;
   }
   EXPECT_TRUE(result.uncut.empty());
 }

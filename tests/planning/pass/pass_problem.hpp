@@ -73,7 +73,7 @@ inline void ExpectSound(const PoseProblem& problem, const PathOptions& options, 
                           [](const PlannedPoint& p) { return p.point.kind == PointKind::kCut; }),
             std::ssize(pass.points));
   for (size_t p = 0; p < result.pieces.size(); ++p) {
-    const Piece& piece = result.pieces[p];
+    const Segment& piece = result.pieces[p];
     EXPECT_EQ(piece.piece, static_cast<int>(p));
     for (int t = piece.first; t <= piece.last; ++t) {
       ++covered[t];
@@ -98,9 +98,9 @@ inline void ExpectSound(const PoseProblem& problem, const PathOptions& options, 
   for (size_t t = 0; t < result.points.size(); ++t) {
     const PlannedPoint& point = result.points[t];
     const MillingPoint& asked = point.point;
-    EXPECT_EQ(covered[t], point.skip == Obstacle::kNone ? 1 : 0) << t;
-    EXPECT_EQ(point.detail.empty(), point.skip == Obstacle::kNone);
-    if (point.skip != Obstacle::kNone) continue;
+    EXPECT_EQ(covered[t], point.skip == Infeasibility::kNone ? 1 : 0) << t;
+    EXPECT_EQ(point.detail.empty(), point.skip == Infeasibility::kNone);
+    if (point.skip != Infeasibility::kNone) continue;
     const Pose X_WT = problem.X_WB * ForwardFlange(problem.arm, point.q) * problem.X_FT;
     EXPECT_LT((X_WT.translation() - asked.position).norm(), 1e-8);
     EXPECT_LT((X_WT.linear().col(2) - asked.tool_axis).norm(), 1e-10);
@@ -121,8 +121,8 @@ inline bool IsCut(const Pass& pass, const PassResult& result, size_t t) {
   const size_t next = (t + 1) % pass.points.size();
   for (size_t i = 0; i < result.points.size(); ++i) {
     const PlannedPoint& a = result.points[i];
-    if (a.skip != Obstacle::kNone || a.point.position != pass.points[t].position) continue;
-    const Piece& piece = result.pieces[static_cast<size_t>(a.piece)];
+    if (a.skip != Infeasibility::kNone || a.point.position != pass.points[t].position) continue;
+    const Segment& piece = result.pieces[static_cast<size_t>(a.piece)];
     const bool ends = static_cast<int>(i) == piece.last;
     if (ends && !piece.closed) continue;
     const PlannedPoint& b = result.points[ends ? static_cast<size_t>(piece.first) : i + 1];

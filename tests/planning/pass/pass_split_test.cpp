@@ -47,7 +47,7 @@ std::optional<std::pair<double, int>> TwoWaysOnly(const PoseProblem& problem, co
         unsigned reached = 0;
         for (int branch = 0; branch < 8; ++branch) {
           const Candidate at = scorer.ScoreOne({middle + DegToRad(off)}, branch);
-          reached |= unsigned{at.obstacle == Obstacle::kNone} << branch;
+          reached |= unsigned{at.obstacle == Infeasibility::kNone} << branch;
         }
         always &= reached;
         ever |= reached;
@@ -133,7 +133,7 @@ TEST(PlanPass, LeadsOfTheJobFollowBeyondTheOverlapOfASplit) {
     EXPECT_TRUE(result.uncut.empty());
     for (size_t t = 0; t < pass.points.size(); ++t) EXPECT_TRUE(IsCut(pass, result, t)) << t;
     size_t leads = 0;
-    for (const Piece& piece : result.pieces) {
+    for (const Segment& piece : result.pieces) {
       // From the piece's ends inwards: off the surface, ever nearer to it, then what is cut twice, then the
       // cut.
       for (const int step : {1, -1}) {
@@ -222,8 +222,8 @@ TEST(PlanPass, NeverRunsThroughTheWristSingularity) {
   int singular = 0, before = 0, after = 0;
   for (size_t t = 0; t < result.points.size(); ++t) {
     const PlannedPoint& point = result.points[t];
-    singular += point.skip == Obstacle::kSingular;
-    if (point.skip != Obstacle::kNone) continue;
+    singular += point.skip == Infeasibility::kSingular;
+    if (point.skip != Infeasibility::kNone) continue;
     EXPECT_GE(DistanceToSingularity(problem.arm, point.q).wrist, 0.05 - 1e-9);
     ++(t < 20 ? before : after);
   }

@@ -23,14 +23,14 @@ Cell RailAndTable(Cell cell) {
   return cell;
 }
 
-struct Riding {
+struct Coordinated {
   Stations stations;
   ExternalCourse course;
   Pass on_part;                             ///< in P, which is W with all axes at 0
   std::vector<ExternalPosition> positions;  ///< of its points
   Pass pass;                                ///< in W, each point at its own
 
-  Riding(const PoseProblem& problem, const Cell& cell, ExternalCourse along, Pass of)
+  Coordinated(const PoseProblem& problem, const Cell& cell, ExternalCourse along, Pass of)
       : stations(World(cell), problem), course(std::move(along)), on_part(EndingWhereItBegan(std::move(of))) {
     positions = PositionsAlong(course, on_part);
     pass = on_part;
@@ -46,16 +46,16 @@ struct Riding {
   }
   Carrier Between(const ExternalPosition& from, const ExternalPosition& to) const {
     const Cell& cell = stations.world().cell();
-    return {
-        cell.arm, cell.X_WB, cell.X_FT,
-        std::make_shared<const Ride>(Ride{Mechanism(cell.external_axes), cell.X_WB, cell.X_WP, from, to})};
+    return {cell.arm, cell.X_WB, cell.X_FT,
+            std::make_shared<const CoordinatedMotion>(
+                CoordinatedMotion{Mechanism(cell.external_axes), cell.X_WB, cell.X_WP, from, to})};
   }
 };
 
 const ExternalCourse kCourse{{-250, -0.12}, {250, 0.15}};
 
 /// What holds of every such plan.
-void ExpectRides(const PoseProblem& problem, const PathOptions& options, const Riding& riding,
+void ExpectRides(const PoseProblem& problem, const PathOptions& options, const Coordinated& riding,
                  const PassResult& result) {
   const Mechanism mechanism(riding.stations.world().cell().external_axes);
   const double length = riding.on_part.points.back().arc_length - riding.on_part.points.front().arc_length;
@@ -65,7 +65,7 @@ void ExpectRides(const PoseProblem& problem, const PathOptions& options, const R
     for (size_t i = 0; i < 2; ++i)
       EXPECT_NEAR((*planned.external)[i],
                   riding.course.from[i] + share * (riding.course.to[i] - riding.course.from[i]), 1e-9);
-    if (planned.skip != Obstacle::kNone) continue;
+    if (planned.skip != Infeasibility::kNone) continue;
     const Pose X_WB = mechanism.Moved(Carries::kRobot, *planned.external) * problem.X_WB;
     const Pose X_WT = X_WB * ForwardFlange(problem.arm, planned.q) * problem.X_FT;
     EXPECT_LT((X_WT.translation() - planned.point.position).norm(), 1e-8);
@@ -79,7 +79,7 @@ void ExpectRides(const PoseProblem& problem, const PathOptions& options, const R
     EXPECT_TRUE((planned.q.array() >= problem.bounds.lower.array() - 1e-12).all());
     EXPECT_TRUE((planned.q.array() <= problem.bounds.upper.array() + 1e-12).all());
   }
-  for (const Piece& piece : result.pieces) {
+  for (const Segment& piece : result.pieces) {
     EXPECT_FALSE(piece.closed);
     for (int t = piece.first; t < piece.last; ++t) {
       const PlannedPoint &from = result.points[static_cast<size_t>(t)],
@@ -94,9 +94,9 @@ void ExpectRides(const PoseProblem& problem, const PathOptions& options, const R
   EXPECT_EQ(result.external, *result.points.front().external);
 }
 
-TEST(RidingPass, EveryPointMeetsItsContactWhereTheAxesAreThen) {
+TEST(CoordinatedPass, EveryPointMeetsItsContactWhereTheAxesAreThen) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
-  const Riding riding(problem, RailAndTable(EmptyCell(problem)), kCourse, Row(-300, 300, 40));
+  const Coordinated riding(problem, RailAndTable(EmptyCell(problem)), kCourse, Row(-300, 300, 40));
   const PassResult result = riding.Plan(Options());
   ExpectRides(problem, Options(), riding, result);
   ASSERT_EQ(result.pieces.size(), 1u);
@@ -109,10 +109,10 @@ TEST(RidingPass, EveryPointMeetsItsContactWhereTheAxesAreThen) {
   EXPECT_NEAR(scorer.ScoreOne(last.freedoms, last.branch).objective, last.objective, 1e-12);
 }
 
-TEST(RidingPass, AxesThatDoNotMoveGiveThePlanOfAStationThatStands) {
+TEST(CoordinatedPass, AxesThatDoNotMoveGiveThePlanOfAStationThatStands) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const ExternalPosition at{120, 0.1};
-  const Riding riding(problem, RailAndTable(EmptyCell(problem)), StandingAt(at), Row(-300, 300, 30));
+  const Coordinated riding(problem, RailAndTable(EmptyCell(problem)), StandingAt(at), Row(-300, 300, 30));
   const PassResult rides = riding.Plan(Options());
   const Station& station = riding.stations.At(at);
   const PassResult stands =
@@ -124,9 +124,9 @@ TEST(RidingPass, AxesThatDoNotMoveGiveThePlanOfAStationThatStands) {
   }
 }
 
-TEST(RidingPass, KeepsClearOfWhatStandsWhileTheAxesMove) {
+TEST(CoordinatedPass, KeepsClearOfWhatStandsWhileTheAxesMove) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
-  const Riding open(problem, RailAndTable(EmptyCell(problem)), kCourse, Row(-300, 300, 40));
+  const Coordinated open(problem, RailAndTable(EmptyCell(problem)), kCourse, Row(-300, 300, 40));
   const PassResult unbarred = open.Plan(Options());
   // A ball where the wrist would go by, in the world: in the arm's own frame it moves.
   Cell cell = CellWithBallAt(problem, unbarred, 20, 60);
@@ -134,7 +134,7 @@ TEST(RidingPass, KeepsClearOfWhatStandsWhileTheAxesMove) {
   const Mechanism mechanism(cell.external_axes);
   cell.bodies[1].X_MG.translation() =
       mechanism.Moved(Carries::kRobot, *unbarred.points[20].external) * cell.bodies[1].X_MG.translation();
-  const Riding riding(problem, cell, kCourse, Row(-300, 300, 40));
+  const Coordinated riding(problem, cell, kCourse, Row(-300, 300, 40));
   PathOptions options = Options();
   const PassResult result = riding.Plan(options);
   ExpectRides(problem, options, riding, result);
@@ -142,7 +142,7 @@ TEST(RidingPass, KeepsClearOfWhatStandsWhileTheAxesMove) {
   ASSERT_FALSE(result.pieces.empty());
   int looks = 0;
   double nearest = 1e9;
-  for (const Piece& piece : result.pieces)
+  for (const Segment& piece : result.pieces)
     for (auto t = static_cast<size_t>(piece.first); t < static_cast<size_t>(piece.last); ++t) {
       const PlannedPoint &from = result.points[t], &to = result.points[t + 1];
       const Carrier carrier = riding.Between(*from.external, *to.external);
@@ -160,11 +160,11 @@ TEST(RidingPass, KeepsClearOfWhatStandsWhileTheAxesMove) {
   EXPECT_LT(nearest, 45);  // it was in the way
 }
 
-TEST(RidingPass, ARingEndsWhereItBeganOnThePart) {
+TEST(CoordinatedPass, ARingEndsWhereItBeganOnThePart) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   Pass ring = Ring(150, 40);
   for (size_t t = 0; t < ring.points.size(); ++t) ring.points[t].arc_length = 23.5 * static_cast<double>(t);
-  const Riding riding(problem, RailAndTable(EmptyCell(problem)), kCourse, ring);
+  const Coordinated riding(problem, RailAndTable(EmptyCell(problem)), kCourse, ring);
   ASSERT_EQ(riding.pass.points.size(), 41u);
   const PassResult result = riding.Plan(Options());
   ExpectRides(problem, Options(), riding, result);
@@ -173,9 +173,9 @@ TEST(RidingPass, ARingEndsWhereItBeganOnThePart) {
   EXPECT_EQ(*result.points.back().external, kCourse.to);
 }
 
-TEST(RidingPass, SameBytesForAnyNumberOfThreads) {
+TEST(CoordinatedPass, SameBytesForAnyNumberOfThreads) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
-  const Riding riding(problem, RailAndTable(EmptyCell(problem)), kCourse, Row(-60, 60, 20));
+  const Coordinated riding(problem, RailAndTable(EmptyCell(problem)), kCourse, Row(-60, 60, 20));
   const std::string bytes = Serialise(riding.Plan(Options(), 1));
   for (const int threads : {2, 4}) EXPECT_EQ(Serialise(riding.Plan(Options(), threads)), bytes);
 }

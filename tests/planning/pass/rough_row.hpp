@@ -33,7 +33,7 @@ struct RoughRow {
         node.branch = place % 8;
         node.freedoms = {DegToRad(5.0 * (place / 8)) - kPi + turned(t)};
         const Candidate candidate = scorers[t].ScoreOne(node.freedoms, node.branch);
-        if (candidate.obstacle != Obstacle::kNone) break;
+        if (candidate.obstacle != Infeasibility::kNone) break;
         node.q = candidate.q;
         objective += node.objective = candidate.objective;
         tried.push_back(node);

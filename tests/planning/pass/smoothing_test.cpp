@@ -21,7 +21,7 @@ TEST(SmoothPath, HalvesTheAccelerationsOfStairsAtLittleLoss) {
   for (size_t t = 0; t < start.size(); ++t) {
     const PathNode& node = course.path[t];
     const Candidate candidate = course.scorers[t].ScoreOne(node.freedoms, node.branch);
-    EXPECT_EQ(candidate.obstacle, Obstacle::kNone);
+    EXPECT_EQ(candidate.obstacle, Infeasibility::kNone);
     EXPECT_LT((candidate.q - node.q).cwiseAbs().maxCoeff(), 1e-12);
     EXPECT_EQ(candidate.objective, node.objective);
     if (t > 0) {

@@ -60,7 +60,7 @@ TEST(StepLimits, NoMotionBendsFurtherThanItMay) {
     options.smoothing_loss = loss;
     const PassResult result = PlanPass(problem, world, {pass}, options, {.threads = 1});
     ExpectSound(problem, options, pass, result);
-    for (const Piece& piece : result.pieces)
+    for (const Segment& piece : result.pieces)
       for (int t = piece.first + 1; t <= piece.last; ++t) {
         const Joints &from = result.points[t - 1].q, &to = result.points[t].q;
         EXPECT_LE(HalfwayDeviation(carrier, from, to).position, most) << t;
@@ -76,7 +76,7 @@ double LargestExcess(const PoseProblem& problem, const Pass& pass, const PassRes
                      int* beyond) {
   const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
   double excess = 0;
-  for (const Piece& piece : result.pieces)
+  for (const Segment& piece : result.pieces)
     for (int t = piece.first + 1; t <= piece.last; ++t) {
       const auto &from = result.points[t - 1], &to = result.points[t];
       const double bend = HalfwayDeviation(carrier, from.q, to.q).position;

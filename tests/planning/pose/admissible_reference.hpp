@@ -60,21 +60,22 @@ inline double MeasuredDexterity(const PoseProblem& problem, const Joints& q) {
 
 /// What keeps the joint angles `q`, as they are, from being used. Misses of up to `slack` (sines, m) of the
 /// bounds on singularity and dexterity count as none: an optimum may be on such a bound.
-inline Obstacle ReferenceObstacle(const PoseProblem& problem, const Joints& q, double slack = 1e-9) {
+inline Infeasibility ReferenceInfeasibility(const PoseProblem& problem, const Joints& q,
+                                            double slack = 1e-9) {
   const AdmissibleBounds& bounds = problem.bounds;
   for (int j = 0; j < 6; ++j)
-    if (q[j] < bounds.lower[j] || q[j] > bounds.upper[j]) return Obstacle::kLimit;
+    if (q[j] < bounds.lower[j] || q[j] > bounds.upper[j]) return Infeasibility::kLimit;
   for (const CoupledLimit& limit : bounds.coupled) {
     double sum = -limit.at_most;
     for (int j = 0; j < 6; ++j) sum += limit.factors[j] * q[j];
-    if (sum > 1e-12) return Obstacle::kLimit;
+    if (sum > 1e-12) return Infeasibility::kLimit;
   }
   const SingularityDistance distance = MeasuredDistance(problem.arm, q);
   double missed = std::max(0.0, bounds.wrist_min - distance.wrist) +
                   std::max(0.0, bounds.elbow_min - distance.elbow) +
                   std::max(0.0, bounds.shoulder_min_mm - distance.shoulder) / 1000;
   if (bounds.dexterity_min > 0) missed += std::max(0.0, bounds.dexterity_min - MeasuredDexterity(problem, q));
-  return missed > slack ? Obstacle::kSingular : Obstacle::kNone;
+  return missed > slack ? Infeasibility::kSingular : Infeasibility::kNone;
 }
 
 }  // namespace millpose

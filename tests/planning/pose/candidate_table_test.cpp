@@ -44,7 +44,7 @@ TEST(CandidateTable, HoldsEveryAdmissibleCandidateOfItsGridOnce) {
   for (const CandidateTable::Entry& entry : table.entries()) {
     EXPECT_TRUE(held.emplace(entry.setting, entry.branch).second);
     const Candidate alone = scorer.ScoreOne(table.Setting(entry.setting), entry.branch);
-    EXPECT_EQ(alone.obstacle, Obstacle::kNone);
+    EXPECT_EQ(alone.obstacle, Infeasibility::kNone);
     EXPECT_EQ(alone.objective, entry.objective);
     EXPECT_EQ(alone.q, entry.q);
   }
@@ -55,7 +55,7 @@ TEST(CandidateTable, HoldsEveryAdmissibleCandidateOfItsGridOnce) {
     EXPECT_LT(before, setting);
     before = setting;
     for (int branch = 0; branch < 8; ++branch)
-      admissible += scorer.ScoreOne(setting, branch).obstacle == Obstacle::kNone;
+      admissible += scorer.ScoreOne(setting, branch).obstacle == Infeasibility::kNone;
   }
   EXPECT_EQ(admissible, table.entries().size());
 }
@@ -97,7 +97,7 @@ TEST(RefineTable, LooksAlongEveryLineOfATableOfTwoFreedoms) {
     for (int lean = 0; lean < 5; ++lean)
       for (int branch = 0; branch < 8; ++branch) {
         const Candidate other = scorer.ScoreOne({DegToRad(-180 + 0.5 * i), table.At(1, lean)}, branch);
-        if (other.obstacle != Obstacle::kNone) continue;
+        if (other.obstacle != Infeasibility::kNone) continue;
         EXPECT_GE(other.objective, best.objective * (1 - 1e-12));
       }
 }

@@ -33,14 +33,14 @@ TEST(ExhaustiveSearch, NoCandidateOfAFineGridIsBetter) {
     const PointScorer scorer(problem, point, Eigen::Vector3d::UnitZ());
     const PointOptimum best = ExhaustiveSearch(scorer, DegToRad(0.5));
     ASSERT_TRUE(best.found);
-    EXPECT_EQ(ReferenceObstacle(problem, best.q), Obstacle::kNone);
+    EXPECT_EQ(ReferenceInfeasibility(problem, best.q), Infeasibility::kNone);
     EXPECT_EQ(best.objective, scorer.ScoreOne(best.freedoms, best.branch).objective);
     std::vector<FreedomValues> grid;
     for (int i = 0; i < 14400; ++i) grid.push_back({-kPi + i * kPi / 7200});
     std::vector<Candidate> candidates(8 * grid.size());
     scorer.Score(grid, candidates);
     for (const Candidate& candidate : candidates) {
-      if (candidate.obstacle != Obstacle::kNone) continue;
+      if (candidate.obstacle != Infeasibility::kNone) continue;
       EXPECT_GE(candidate.objective, best.objective * (1 - 1e-12));
     }
     const Joints room = (best.q - problem.bounds.lower).cwiseMin(problem.bounds.upper - best.q);
@@ -57,12 +57,12 @@ TEST(ExhaustiveSearch, SaysHowFarTheBestCandidateCame) {
     EXPECT_FALSE(best.found);
     return best.reason;
   };
-  EXPECT_EQ(reason(PanelPoint(0, 0, 6000)), Obstacle::kUnreachable);
+  EXPECT_EQ(reason(PanelPoint(0, 0, 6000)), Infeasibility::kUnreachable);
   problem.bounds.lower[0] = problem.bounds.upper[0] = DegToRad(100);
-  EXPECT_EQ(reason(PanelPoint(0, 0)), Obstacle::kLimit);
+  EXPECT_EQ(reason(PanelPoint(0, 0)), Infeasibility::kLimit);
   problem = MakeProblem(Kr500R2830());
   problem.bounds.dexterity_min = 0.99;
-  EXPECT_EQ(reason(PanelPoint(0, 0)), Obstacle::kSingular);
+  EXPECT_EQ(reason(PanelPoint(0, 0)), Infeasibility::kSingular);
 }
 
 }  // namespace

@@ -31,13 +31,14 @@ std::vector<Sample> MakeSamples(const PoseProblem& problem, int count) {
 
 constexpr uint64_t kSeeds = 4;
 
-struct Gaps {
+struct LinkMoves {
   double share;  ///< of points within 0.1 % of the optimum
   double worst;  ///< relative
   int most_evaluations;
 };
-Gaps Measure(const PoseProblem& problem, const std::vector<Sample>& samples, const GeneticOptions& options) {
-  Gaps gaps{0, 0, 0};
+LinkMoves Measure(const PoseProblem& problem, const std::vector<Sample>& samples,
+                  const GeneticOptions& options) {
+  LinkMoves gaps{0, 0, 0};
   for (uint64_t seed = 1; seed <= kSeeds; ++seed)
     for (size_t k = 0; k < samples.size(); ++k) {
       const PointScorer scorer(problem, samples[k].point, Eigen::Vector3d::UnitZ());
@@ -55,7 +56,7 @@ TEST(GeneticSearch, ComesWithinATenthOfAPercentOfTheExhaustiveSearch) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const std::vector<Sample> samples = MakeSamples(problem, 300);
   ASSERT_GT(samples.size(), 250u);
-  const Gaps full = Measure(problem, samples, {});
+  const LinkMoves full = Measure(problem, samples, {});
   EXPECT_GE(full.share, 0.995);
   EXPECT_LE(full.most_evaluations, 2000);
 
@@ -97,7 +98,7 @@ TEST(GeneticSearch, DependsOnItsStreamAlone) {
   }
   EXPECT_NE(first[0].mean, other[0].mean);
   EXPECT_EQ(a.objective, scorer.ScoreOne(a.freedoms, a.branch).objective);
-  EXPECT_EQ(ReferenceObstacle(problem, a.q), Obstacle::kNone);
+  EXPECT_EQ(ReferenceInfeasibility(problem, a.q), Infeasibility::kNone);
 }
 
 TEST(GeneticSearch, RecordsOnlyAdmissibleIndividuals) {
@@ -128,7 +129,7 @@ TEST(GeneticSearch, SaysWhyNothingWasFound) {
   const PointScorer scorer(problem, PanelPoint(0, 0, 6000), Eigen::Vector3d::UnitZ());
   const PointOptimum best = GeneticSearch(scorer, problem, {}, RandomStream(1, 0));
   EXPECT_FALSE(best.found);
-  EXPECT_EQ(best.reason, Obstacle::kUnreachable);
+  EXPECT_EQ(best.reason, Infeasibility::kUnreachable);
   EXPECT_LE(best.evaluations, 2000);
 }
 

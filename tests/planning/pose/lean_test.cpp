@@ -54,7 +54,7 @@ TEST(Lean, CandidatesAreThoseOfTheLeanedPoint) {
       for (int branch = 0; branch < 8; ++branch) {
         const Candidate a = leaning.ScoreOne(setting, branch), b = leaned.ScoreOne({setting[0]}, branch);
         ASSERT_EQ(a.obstacle, b.obstacle);
-        if (a.obstacle != Obstacle::kNone) continue;
+        if (a.obstacle != Infeasibility::kNone) continue;
         ++admissible;
         EXPECT_LT((a.q - b.q).norm(), 1e-9);
         EXPECT_NEAR(a.objective / b.objective, 1, 1e-9);
@@ -103,7 +103,8 @@ TEST(Lean, WhatTheLawBarsIsNoCandidate) {
       settings.push_back({DegToRad(10 * k), DegToRad(lead_deg), DegToRad(tilt_deg)});
     std::vector<Candidate> candidates(8 * settings.size());
     scorer.Score(settings, candidates);
-    return std::ranges::any_of(candidates, [](const Candidate& c) { return c.obstacle == Obstacle::kNone; });
+    return std::ranges::any_of(candidates,
+                               [](const Candidate& c) { return c.obstacle == Infeasibility::kNone; });
   };
   EXPECT_TRUE(any(5, 0));
   EXPECT_FALSE(any(1, 0)) << "cuts too slowly";
@@ -124,7 +125,7 @@ TEST(CandidateTable, FollowsEachFreedomsOwnStepAboutItsNominalValue) {
   size_t admissible = 0;
   for (size_t k = 0; k < table.settings(); ++k)
     for (int branch = 0; branch < 8; ++branch)
-      admissible += scorer.ScoreOne(table.Setting(k), branch).obstacle == Obstacle::kNone;
+      admissible += scorer.ScoreOne(table.Setting(k), branch).obstacle == Infeasibility::kNone;
   EXPECT_EQ(table.entries().size(), admissible);
   for (const CandidateTable::Entry& entry : table.entries())
     EXPECT_EQ(entry.objective, scorer.ScoreOne(table.Setting(entry.setting), entry.branch).objective);
@@ -139,7 +140,7 @@ double LowerAround(const PointScorer& scorer, const PointOptimum& at, RandomStre
       for (size_t d = 0; d < setting.size(); ++d)
         setting[d] = Confine(*scorer.problem().freedoms[d], setting[d] + random.Uniform(-size, size));
       const Candidate candidate = scorer.ScoreOne(setting, at.branch);
-      if (candidate.obstacle == Obstacle::kNone)
+      if (candidate.obstacle == Infeasibility::kNone)
         lower = std::max(lower, 1 - candidate.objective / at.objective);
     }
   return lower;

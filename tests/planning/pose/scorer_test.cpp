@@ -25,7 +25,8 @@ Candidate Reference(const PoseProblem& problem, const MillingPoint& point, doubl
     candidate.objective = indices ? 0.5 * indices->lambda_t2 + 0.5 * indices->lambda_n : 1e9;
     const std::vector<Joints> within = RevolutionsWithin(problem.bounds, q);
     candidate.q = within.empty() ? q : within.front();
-    candidate.obstacle = within.empty() ? Obstacle::kLimit : ReferenceObstacle(problem, within.front());
+    candidate.obstacle =
+        within.empty() ? Infeasibility::kLimit : ReferenceInfeasibility(problem, within.front());
   }
   return candidate;
 }
@@ -70,17 +71,17 @@ TEST(PointScorer, EqualsThePlainReference) {
           const Candidate& found = candidates[8 * i + branch];
           const Candidate expected = Reference(problem, point, rotations[i][0], branch);
           ASSERT_EQ(found.obstacle, expected.obstacle);
-          if (found.obstacle == Obstacle::kUnreachable) continue;
+          if (found.obstacle == Infeasibility::kUnreachable) continue;
           ++reached;
           // Equal up to full revolutions; within the bounds when admissible.
           for (int j = 0; j < 6; ++j) {
             EXPECT_NEAR(std::remainder(found.q[j] - expected.q[j], 2 * kPi), 0, 1e-9);
           }
-          EXPECT_EQ(found.shortfall == 0, found.obstacle == Obstacle::kNone);
-          if (found.obstacle != Obstacle::kNone) continue;
+          EXPECT_EQ(found.shortfall == 0, found.obstacle == Infeasibility::kNone);
+          if (found.obstacle != Infeasibility::kNone) continue;
           ++admissible;
           EXPECT_NEAR(found.objective / expected.objective, 1, 1e-9);
-          EXPECT_EQ(ReferenceObstacle(problem, found.q), Obstacle::kNone);
+          EXPECT_EQ(ReferenceInfeasibility(problem, found.q), Infeasibility::kNone);
           const Pose X_WT = problem.X_WB * ForwardFlange(arm, found.q) * problem.X_FT;
           EXPECT_LT((X_WT.matrix() - scorer.ToolPose(rotations[i]).matrix()).norm(), 1e-8);
         }
@@ -118,7 +119,7 @@ TEST(PointScorer, TheWorldsDirectionsDoNotMatter) {
       for (int branch = 0; branch < 8; ++branch) {
         const Candidate a = here.ScoreOne({DegToRad(15.0 * i - 180)}, branch);
         const Candidate b = elsewhere.ScoreOne({DegToRad(15.0 * i - 180)}, branch);
-        if (a.obstacle != Obstacle::kNone || b.obstacle != a.obstacle) continue;
+        if (a.obstacle != Infeasibility::kNone || b.obstacle != a.obstacle) continue;
         ++compared;
         EXPECT_NEAR(b.objective / a.objective, 1, 1e-9) << name;
       }
@@ -178,7 +179,7 @@ TEST(PointScorer, FullTurnsBringAJointWithinItsLimits) {
   for (double rotation = -3; rotation < 3; rotation += 0.01) {
     for (int branch = 0; branch < 8; ++branch) {
       const Candidate candidate = scorer.ScoreOne({rotation}, branch);
-      if (candidate.obstacle != Obstacle::kNone) continue;
+      if (candidate.obstacle != Infeasibility::kNone) continue;
       ++admissible;
       EXPECT_GE(candidate.q[3], DegToRad(190));
       EXPECT_LE(candidate.q[3], DegToRad(350));
@@ -207,7 +208,7 @@ TEST(PointScorer, CountsCompliancesBesideTheJointsOnEveryBranch) {
       std::array<double, 8> value{};
       for (int branch = 0; branch < 8; ++branch) {
         const Candidate found = scorer.ScoreOne({rotation}, branch);
-        if (found.obstacle != Obstacle::kNone) continue;
+        if (found.obstacle != Infeasibility::kNone) continue;
         value[branch] = found.objective;
         least = std::min(least, found.objective);
         const Eigen::Vector3d tip = problem.X_FT.translation();
@@ -234,7 +235,7 @@ TEST(PointScorer, CountsCompliancesBesideTheJointsOnEveryBranch) {
 }
 
 /// The predicate's answer for the pose that the angles `q` give, on their own branch.
-Obstacle AtJoints(const PoseProblem& problem, const Joints& q) {
+Infeasibility AtJoints(const PoseProblem& problem, const Joints& q) {
   FlangeBlock flange;
   for (int l = 0; l < kLanes; ++l) flange.Set(l, ForwardFlange(problem.arm, q));
   ArmBranches solved;
@@ -247,17 +248,17 @@ Obstacle AtJoints(const PoseProblem& problem, const Joints& q) {
 
 TEST(CheckAdmissible, SaysWhatIsMissed) {
   PoseProblem problem = MakeProblem(Kr500R2830());
-  const auto expect = [&](const Joints& q, Obstacle obstacle) {
+  const auto expect = [&](const Joints& q, Infeasibility obstacle) {
     EXPECT_EQ(AtJoints(problem, q), obstacle) << q.transpose();
-    EXPECT_EQ(ReferenceObstacle(problem, q), obstacle) << q.transpose();
+    EXPECT_EQ(ReferenceInfeasibility(problem, q), obstacle) << q.transpose();
   };
-  expect(Degrees(0, -90, 90, 0, 45, 0), Obstacle::kNone);
-  expect(Degrees(0, -90, 90, 0, 117.5, 0), Obstacle::kLimit);    // margin
-  expect(Degrees(0, -90, 90, 0, 2, 0), Obstacle::kSingular);     // wrist
-  expect(Degrees(0, -90, -3.5, 0, 45, 0), Obstacle::kSingular);  // elbow
-  expect(Degrees(0, -90, -99, 0, 2, 0), Obstacle::kLimit);       // limits before singularities
+  expect(Degrees(0, -90, 90, 0, 45, 0), Infeasibility::kNone);
+  expect(Degrees(0, -90, 90, 0, 117.5, 0), Infeasibility::kLimit);    // margin
+  expect(Degrees(0, -90, 90, 0, 2, 0), Infeasibility::kSingular);     // wrist
+  expect(Degrees(0, -90, -3.5, 0, 45, 0), Infeasibility::kSingular);  // elbow
+  expect(Degrees(0, -90, -99, 0, 2, 0), Infeasibility::kLimit);       // limits before singularities
   problem.bounds.dexterity_min = 0.9;
-  expect(Degrees(0, -90, 90, 0, 45, 0), Obstacle::kSingular);
+  expect(Degrees(0, -90, 90, 0, 45, 0), Infeasibility::kSingular);
 }
 
 // Every bound alone, moved to where the pose is: a little below it the pose is admissible, a little above
@@ -282,16 +283,16 @@ TEST(CheckAdmissible, EveryBoundIsWhereTheReferenceMeasuresIt) {
           {&AdmissibleBounds::shoulder_min_mm, distance.shoulder, 1e3 * kLittle},
           {&AdmissibleBounds::dexterity_min, MeasuredDexterity(problem, q), kLittle}};
       for (const auto& [bound, value, little] : bounds) {
-        EXPECT_EQ(at(bound, value - little), Obstacle::kNone) << arm.name << ' ' << q.transpose();
-        EXPECT_EQ(at(bound, value + little), Obstacle::kSingular) << arm.name << ' ' << q.transpose();
+        EXPECT_EQ(at(bound, value - little), Infeasibility::kNone) << arm.name << ' ' << q.transpose();
+        EXPECT_EQ(at(bound, value + little), Infeasibility::kSingular) << arm.name << ' ' << q.transpose();
       }
       for (int j = 0; j < 6; ++j) {
         problem.bounds = {arm.lower, arm.upper};
         problem.bounds.upper[j] = q[j] - kLittle;
         problem.bounds.lower[j] = q[j] - kPi;  // no revolution brings it back
-        EXPECT_EQ(AtJoints(problem, q), Obstacle::kLimit) << arm.name << ' ' << j;
+        EXPECT_EQ(AtJoints(problem, q), Infeasibility::kLimit) << arm.name << ' ' << j;
         problem.bounds.upper[j] = q[j] + kLittle;
-        EXPECT_EQ(AtJoints(problem, q), Obstacle::kNone) << arm.name << ' ' << j;
+        EXPECT_EQ(AtJoints(problem, q), Infeasibility::kNone) << arm.name << ' ' << j;
       }
     }
   }

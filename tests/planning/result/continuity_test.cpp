@@ -69,7 +69,7 @@ TEST(Continuity, ReducedFeedsHoldInTheReplayOfStraightMotions) {
   const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT};
   const Joints any = Joints::Constant(100);
   double most = 0;
-  for (const Piece& piece : plan.passes[1].pieces)
+  for (const Segment& piece : plan.passes[1].pieces)
     for (int i = piece.first + 1; i <= piece.last; ++i) {
       const PlannedPoint &from = plan.passes[1].points[i - 1], &to = plan.passes[1].points[i];
       const LineMotion line =
@@ -117,7 +117,7 @@ TEST(Continuity, ReducedFeedsHoldTheSpeedsOfExternalAxes) {
   EXPECT_LT(AnalyseContinuity(RailPlan(10)).halfway_deviation, 1e-9);  // straight on the part
   ReduceFeeds(plan);
   double most = 0;
-  for (const Piece& piece : plan.passes[1].pieces)
+  for (const Segment& piece : plan.passes[1].pieces)
     for (int i = piece.first + 1; i <= piece.last; ++i) {
       const PlannedPoint &from = plan.passes[1].points[i - 1], &to = plan.passes[1].points[i];
       const double seconds = (to.point.arc_length - from.point.arc_length) / to.point.feed_rate;

@@ -53,7 +53,7 @@ TEST(Price, DifferencesOfALengthAddUpToTheTotal) {
   EXPECT_EQ(price->worst.total, 1.5);
 }
 
-TEST(Price, GapsAreThoseOfTheWholeJob) {
+TEST(Price, LinkMovesAreThoseOfTheWholeJob) {
   PlanResult plan = Plan("mm");
   EXPECT_DOUBLE_EQ(*PriceOf(plan)->sum_gap, 10 / 9.5 - 1);
   EXPECT_DOUBLE_EQ(*PriceOf(plan)->worst_gap, 4 / 3.9 - 1);
@@ -65,7 +65,7 @@ TEST(Price, WhatIsNotCutDoesNotCount) {
   PlanResult plan = Plan("mm");
   PlannedPoint lead = Point(1, 50, 60, 70), skipped = Point(1, 50, 60, 70);
   lead.point.kind = PointKind::kLeadIn;
-  skipped.skip = Obstacle::kLimit;
+  skipped.skip = Infeasibility::kLimit;
   plan.passes[1].points.insert(plan.passes[1].points.end(), {lead, skipped});
   EXPECT_EQ(PriceOf(plan)->points, 3u);
   EXPECT_EQ(PriceOf(plan)->worst.total, 1.5);

@@ -23,7 +23,7 @@ PassResult RandomPass(RandomStream& random, int number) {
     point.point.feed = Vector(random);
     point.point.tool_axis = Vector(random);
     point.point.kind = PointKind::kLeadIn;
-    point.skip = Obstacle::kStep;
+    point.skip = Infeasibility::kStep;
     point.detail = "a \"quoted\" detail";
     point.freedoms = {random.Uniform()};
     point.q = Joints::Constant(random.Uniform());
@@ -47,7 +47,7 @@ TEST(Serialise, APlanReadsBackToTheSameBytes) {
   plan.arm.stiffness = Joints::Constant(8.9e9);
   plan.X_WP.translation() = Vector(random);
   plan.passes = {RandomPass(random, 0), RandomPass(random, 1)};
-  Gap gap;
+  LinkMove gap;
   gap.joints = {Joints::Constant(0.1), Joints::Constant(1.0 / 3)};
   gap.detail = "blocked";
   plan.gaps = {gap};
@@ -57,7 +57,7 @@ TEST(Serialise, APlanReadsBackToTheSameBytes) {
   EXPECT_EQ(back.seed, plan.seed);
   EXPECT_EQ(back.passes[1].points[3].q, plan.passes[1].points[3].q);
   EXPECT_EQ(back.passes[1].points[3].point.position, plan.passes[1].points[3].point.position);
-  EXPECT_EQ(back.passes[0].points[0].skip, Obstacle::kStep);
+  EXPECT_EQ(back.passes[0].points[0].skip, Infeasibility::kStep);
   EXPECT_EQ(back.passes[0].points[2].unsmoothed, plan.passes[0].points[2].unsmoothed);
   EXPECT_EQ(back.passes[0].points[2].free_optimum, plan.passes[0].points[2].free_optimum);
   EXPECT_EQ(back.passes[0].bound.worst_bound, plan.passes[0].bound.worst_bound);
@@ -122,7 +122,7 @@ TEST(Serialise, DamagedBytesAreRefused) {
     EXPECT_THROW(ParsePassResult(std::string_view(bytes).substr(0, cut), "x"), InputError) << cut;
   EXPECT_THROW(ParsePlanResult(bytes, "x"), InputError);
   std::string older = bytes;
-  older[older.find("millpose 6") + 9] = '0';
+  older[older.find("millpose 7") + 9] = '0';
   EXPECT_THROW(ParsePassResult(older, "x"), InputError);
 }
 
@@ -140,7 +140,7 @@ TEST(Serialise, NothingIsLost) {
     const PlanResult plan = FullPlan(seed);
     EXPECT_TRUE(every_field::Same(ParsePlanResult(Serialise(plan), "x"), plan));
     EXPECT_TRUE(every_field::Same(ParsePassResult(Serialise(plan.passes[1]), "x"), plan.passes[1]));
-    EXPECT_TRUE(every_field::Same(ParseGap(Serialise(plan.gaps[1]), "x"), plan.gaps[1]));
+    EXPECT_TRUE(every_field::Same(ParseLinkMove(Serialise(plan.gaps[1]), "x"), plan.gaps[1]));
     EXPECT_FALSE(every_field::Same(FullPlan(seed + 5), plan));
   }
 }
@@ -176,7 +176,7 @@ TEST(Serialise, ChangedBytesAreAPlanOrAnError) {
 
 TEST(Serialise, OneKindIsNotTakenForAnother) {
   const PlanResult plan = FullPlan(3);
-  EXPECT_THROW(ParseGap(Serialise(plan.passes[0]), "x"), InputError);
+  EXPECT_THROW(ParseLinkMove(Serialise(plan.passes[0]), "x"), InputError);
   EXPECT_THROW(ParsePassResult(Serialise(plan.gaps[0]), "x"), InputError);
   EXPECT_THROW(ParsePlanResult(Serialise(plan.passes[0]), "x"), InputError);
   for (const char* bytes : {"", "{}", "\xa0", "millpose 4"})

@@ -25,7 +25,7 @@ PassResult FourPieces() {
     pass.pieces.push_back({0, k, first, first + 1, false});
     if (k == 3) continue;
     PlannedPoint& lost = pass.points.emplace_back();
-    lost.skip = Obstacle::kLimit;
+    lost.skip = Infeasibility::kLimit;
     lost.detail = "A5";
     lost.piece = k;
   }
@@ -37,10 +37,10 @@ TEST(LeaveOut, TheOthersStayAsTheyAreAndMoveUp) {
   const PassResult before = FourPieces();
   for (int out = 0; out < 4; ++out) {
     PassResult pass = before;
-    LeaveOut(pass, out, Obstacle::kAccess, "clamp in the way");
+    LeaveOut(pass, out, Infeasibility::kAccess, "clamp in the way");
     ASSERT_EQ(pass.pieces.size(), 3u);
     for (size_t k = 0; k < 3; ++k) {
-      const Piece& was = before.pieces[k + (static_cast<int>(k) >= out ? 1 : 0)];
+      const Segment& was = before.pieces[k + (static_cast<int>(k) >= out ? 1 : 0)];
       EXPECT_EQ(pass.pieces[k].piece, static_cast<int>(k));
       EXPECT_EQ(pass.pieces[k].first, was.first);
       EXPECT_EQ(pass.pieces[k].last, was.last);
@@ -59,10 +59,10 @@ TEST(LeaveOut, TheOthersStayAsTheyAreAndMoveUp) {
 
 TEST(LeaveOut, ItsPointsKeepWhatHoldsOfThePointAndLoseWhatHeldOfThePose) {
   PassResult pass = FourPieces();
-  LeaveOut(pass, 2, Obstacle::kIncomplete, "others of its hole are skipped");
+  LeaveOut(pass, 2, Infeasibility::kIncomplete, "others of its hole are skipped");
   for (const size_t t : {6u, 7u}) {
     const PlannedPoint& point = pass.points[t];
-    EXPECT_EQ(point.skip, Obstacle::kIncomplete);
+    EXPECT_EQ(point.skip, Infeasibility::kIncomplete);
     EXPECT_EQ(point.detail, "others of its hole are skipped");
     EXPECT_EQ(point.point.position.x(), 20 + static_cast<double>(t - 6));
     EXPECT_EQ(point.own_optimum, 0.5);
@@ -76,7 +76,7 @@ TEST(LeaveOut, ItsPointsKeepWhatHoldsOfThePointAndLoseWhatHeldOfThePose) {
 TEST(LeaveOut, PieceByPieceNothingIsLeft) {
   PassResult pass = FourPieces();
   while (!pass.pieces.empty())
-    LeaveOut(pass, static_cast<int>(pass.pieces.size()) - 1, Obstacle::kAccess, "");
+    LeaveOut(pass, static_cast<int>(pass.pieces.size()) - 1, Infeasibility::kAccess, "");
   EXPECT_EQ(CountSkipped(pass), pass.points.size());
   EXPECT_TRUE(pass.lifts.empty());
   PlanResult plan;
@@ -94,7 +94,7 @@ TEST(Compared, LeadsSkippedPointsAndAirWhereForcesAreKnownDoNotCount) {
   EXPECT_EQ(count(), 1) << "the others cut air";
   pass.points[3].point.engagement.side = CutSide::kSlot;
   EXPECT_EQ(count(), 2);
-  pass.points[3].skip = Obstacle::kStep;
+  pass.points[3].skip = Infeasibility::kStep;
   EXPECT_EQ(count(), 1);
 }
 

@@ -233,6 +233,16 @@ std::vector<TextEdit> Damages() {
                 lines.erase(lines.begin() + static_cast<long>(i) - 1);
                 return true;
               })},
+      // The last cut is the last motion: the planned stop behind it is missed where nothing follows.
+      {"retract and way home lost", "KSL",
+       AtLine("END.*PASS", -1,
+              [](Lines& lines, size_t i) {
+                const std::regex motion("^ *(N[0-9]+ )?(S?PTP |S?LIN |G9 |G0 |G1 |.*STAT=)");
+                lines.erase(lines.begin() + static_cast<long>(i) - 1);
+                for (size_t k = lines.size(); k-- > i;)
+                  if (std::regex_search(lines[k], motion)) lines.erase(lines.begin() + static_cast<long>(k));
+                return true;
+              })},
       {"entry lost", "KS", Drop(kEntry, 1)},
       {"entry lost", "L", Drop("^G0 ", 3)},
       {"way-point dropped", "KSL", Drop("^(PTP \\{A1|G0 )", 1)},

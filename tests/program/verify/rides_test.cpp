@@ -7,22 +7,23 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "machine/collision/station_way.hpp"
-#include "planning/result/station.hpp"
+#include "machine/collision/station_path.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/result/station.hpp"
+#include "program/verify/coordinated_path.hpp"
+#include "program/verify/stations.hpp"
 #include "tests/program/station_plan.hpp"
 #include "tests/program/verify/sample_cell.hpp"
-#include "program/verify/ride_way.hpp"
-#include "program/verify/stations.hpp"
 
 namespace millpose {
 namespace {
 
 using Eigen::Vector3d;
 
-struct Riding {
-  Riding(const std::string& variant, const std::string& axes) : Riding(variant, RidePlan(axes)) {}
-  Riding(const std::string& variant, PlanResult given) : plan(std::move(given)), post(variant, plan, true) {
+struct Coordinated {
+  Coordinated(const std::string& variant, const std::string& axes) : Coordinated(variant, RidePlan(axes)) {}
+  Coordinated(const std::string& variant, PlanResult given)
+      : plan(std::move(given)), post(variant, plan, true) {
     program = MakeMotionProgram(plan, SampleFeeds());
     program.frames_checked = ControllerOf(variant) == "krl";
     files = post.Write(program, plan.arm);
@@ -75,7 +76,7 @@ const std::vector<std::string> kVariants = {"krl", "sinumerik", "sinumerik_euler
 TEST(RideChecks, AreConfirmedAsWritten) {
   for (const std::string& variant : kVariants)
     for (const std::string axes : {"rail", "table", "both"}) {
-      Riding riding(variant, axes);
+      Coordinated riding(variant, axes);
       for (const bool with_plan : {true, false})
         EXPECT_EQ(riding.Why(riding.text, with_plan), "") << variant << axes << with_plan;
       riding.interference = false;
@@ -117,7 +118,7 @@ TEST(RideChecks, EveryWrongValueIsFound) {
       {"linuxcnc_cartesian", "both", "^G1 .* V([-0-9.]+)"},
   };
   for (const Damage& damage : damages) {
-    Riding riding(damage.variant, damage.axes);
+    Coordinated riding(damage.variant, damage.axes);
     riding.interference = false;
     const std::vector<Word> words = WordsOfCuts(riding.text, damage.pattern);
     EXPECT_GE(words.size(), 6u) << damage.pattern;
@@ -148,7 +149,7 @@ TEST(RideChecks, AMissingWordIsFound) {
                            {"sinumerik", "G1 X.*( RAIL_AX=[-0-9.]+)", "leaves the plan"},
                            {"linuxcnc", "^G1 .*( U[-0-9.]+)", ""},
                            {"linuxcnc_cartesian", "^G1 .*( U[-0-9.]+)", "leaves the plan"}}) {
-    Riding riding(damage.variant, "rail");
+    Coordinated riding(damage.variant, "rail");
     riding.interference = false;
     const std::vector<Word> words = WordsOfCuts(riding.text, damage.pattern);
     ASSERT_GE(words.size(), 6u);
@@ -163,14 +164,14 @@ TEST(RideChecks, AMissingWordIsFound) {
 
 // The rail stands where the plan moves it: on a coupled one the tip does not show it.
 TEST(RideChecks, AnAxisThatStandsWhereItShouldMoveIsFound) {
-  Riding riding("krl", "rail");
+  Coordinated riding("krl", "rail");
   std::string edited = riding.text;
   for (const Word& word : WordsOfCuts(riding.text, "^LIN .*,E1 ([-0-9.]+)"))
     if (riding.text.substr(word.begin, 1) == "1") edited.replace(word.begin, word.end - word.begin, "100");
   ASSERT_NE(edited, riding.text);
   EXPECT_NE(riding.Why(edited).find("leaves the plan: rail at 100.0000 mm, planned: "), std::string::npos);
   // And the other way round.
-  const Riding standing("krl", StationPlan("rail"));
+  const Coordinated standing("krl", StationPlan("rail"));
   edited = std::regex_replace(standing.text, std::regex("^(LIN .*)E1 100", std::regex::multiline),
                               "$1E1 100.5", std::regex_constants::format_first_only);
   EXPECT_NE(standing.Why(edited).find("the external axes move in a cut: rail at"), std::string::npos);
@@ -178,7 +179,7 @@ TEST(RideChecks, AnAxisThatStandsWhereItShouldMoveIsFound) {
 
 // Neither the way there nor the way back is followed.
 TEST(RideChecks, AWayToKilometresOffIsRefusedAtBothItsEnds) {
-  const Riding riding("krl", "rail");
+  const Coordinated riding("krl", "rail");
   const std::vector<Word> words = WordsOfCuts(riding.text, "^LIN .*,E1 ([-0-9.]+)");
   ASSERT_GT(words.size(), 3u);
   std::string edited = riding.text;
@@ -191,12 +192,12 @@ TEST(RideChecks, AWayToKilometresOffIsRefusedAtBothItsEnds) {
 
 TEST(RideChecks, SpeedsAndLimitsOfTheAxesHold) {
   PlanResult plan = RidePlan("rail");
-  Riding riding("krl", plan);
+  Coordinated riding("krl", plan);
   riding.interference = false;
   ASSERT_EQ(riding.Why(riding.text), "");
   const Motion* ride = nullptr;
   for (size_t i = 1; i < riding.program.motions.size() && !ride; ++i)
-    if (Rides(riding.program, i)) ride = &riding.program.motions[i];
+    if (CoordinatedMotions(riding.program, i)) ride = &riding.program.motions[i];
   ASSERT_NE(ride, nullptr);
   // 20 mm of rail while the tip goes 4 mm.
   riding.cell.external_axes[0].speed = riding.plan.external_axes[0].speed = 5 * ride->feed * 0.98;
@@ -213,10 +214,10 @@ TEST(RideChecks, SpeedsAndLimitsOfTheAxesHold) {
 struct RailRide {
   PlanResult plan = StationPlan("rail");
   Cell cell = SampleCell(plan);
-  RideWay way{{0}, {400}, {{0, plan.home}, {1, plan.home}}};
+  CoordinatedPath way{{0}, {400}, {{0, plan.home}, {1, plan.home}}};
   Vector3d tip = (plan.X_WB * ForwardFlange(plan.arm, plan.home) * plan.X_FT).translation();
 
-  std::optional<Interference> Find() const { return FindOnRide(World(cell), way, {1, 0, 0.5}); }
+  std::optional<Interference> Find() const { return FindOnCoordinatedMotion(World(cell), way, {1, 0, 0.5}); }
   void PutPost(double beside, double along) {
     Body post;
     post.name = "post";
@@ -226,7 +227,7 @@ struct RailRide {
   }
 };
 
-TEST(RideWays, WhatIsMetBetweenTheEndsIsSeen) {
+TEST(CoordinatedPaths, WhatIsMetBetweenTheEndsIsSeen) {
   RailRide ride;
   EXPECT_FALSE(ride.Find());
   ride.PutPost(0, 200);
@@ -238,7 +239,7 @@ TEST(RideWays, WhatIsMetBetweenTheEndsIsSeen) {
 }
 
 // The answer is that of looking densely, to the resolution.
-TEST(RideWays, AgreesWithLookingDensely) {
+TEST(CoordinatedPaths, AgreesWithLookingDensely) {
   const PlanResult plan = StationPlan("both");
   const Cell base = SampleCell(plan);
   const Joints q = plan.passes[0].points[0].q;
@@ -254,7 +255,7 @@ TEST(RideWays, AgreesWithLookingDensely) {
     const World world(cell);
     Joints end = q;
     end[0] -= 0.05;
-    RideWay way{{0, 0}, {60, 0.1}, {{0, q}, {1, end}}};
+    CoordinatedPath way{{0, 0}, {60, 0.1}, {{0, q}, {1, end}}};
     bool within = false, deep = false;  // a pair below its clearance, and by more than the resolution
     for (int i = 0; i <= 120; ++i) {
       const double share = i / 120.0;
@@ -262,7 +263,7 @@ TEST(RideWays, AgreesWithLookingDensely) {
       within |= Checker(there).At(q + share * (end - q), Phase::kCutting).has_value();
       deep |= Checker(there, 1, 2).At(q + share * (end - q), Phase::kCutting).has_value();
     }
-    const bool found = FindOnRide(world, way, {1, 0, 0.5}).has_value();
+    const bool found = FindOnCoordinatedMotion(world, way, {1, 0, 0.5}).has_value();
     EXPECT_TRUE(found || !deep) << k;
     EXPECT_TRUE(!found || within) << k;
     met += deep;

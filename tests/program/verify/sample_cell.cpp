@@ -57,6 +57,7 @@ VerifyOptions SampleOptions(const PlanResult& plan) {
   VerifyOptions options;
   options.lower = plan.arm.lower;
   options.upper = plan.arm.upper;
+  options.max_corner = 0.05;  // as SampleSettings() have it
   return options;
 }
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "machine/collision/world.hpp"
-#include "tests/program/sample_plan.hpp"
 #include "program/verify/verify.hpp"
+#include "tests/program/sample_plan.hpp"
 
 namespace millpose {
 

@@ -38,7 +38,7 @@ class VerifyPost : public testing::TestWithParam<std::string> {
 };
 INSTANTIATE_TEST_SUITE_P(Controllers, VerifyPost,
                          testing::Values("krl", "sinumerik", "sinumerik_euler", "linuxcnc",
-                                         "linuxcnc_cartesian"),
+                                         "linuxcnc_cartesian", "urscript"),
                          [](const auto& controller) { return controller.param; });
 
 TEST_P(VerifyPost, ConfirmsWhatWasWritten) {

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What plans passes once more: ends without room, points inserted, the other direction; and pairs that always
 // touch.
-#include "planning/links/job_planner.hpp"
-#include "planning/links/retract.hpp"
 #include "job/assemble.hpp"
 #include "job/compensate_job.hpp"
 #include "job/exclude_pairs.hpp"
 #include "job/job_engagement.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "planning/links/job_planner.hpp"
+#include "planning/links/retract.hpp"
+#include "run/pipeline/programs/program_warnings.hpp"
 #include "run/pipeline/stages/finer_passes.hpp"
 #include "run/pipeline/stages/other_ways.hpp"
-#include "run/pipeline/programs/program_warnings.hpp"
-#include "run/pipeline/stages/promised_ways.hpp"
+#include "run/pipeline/stages/promising_reversals.hpp"
 #include "run/pipeline/stages/repair_ends.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 #include "toolpath/pass_variants.hpp"
@@ -31,7 +31,7 @@ TEST(RepairEnds, LeavesPassesWithRoomAlone) {
   const std::string before = BytesOf(passes);
   const JobInputs inputs = SmallInputs();
   const MemoryCheckpoints kept;
-  RepairEnds(FreshPlan().prepared, MakePathOptions(inputs.job), MakeGapOptions(inputs.job).leave, kept,
+  RepairEnds(FreshPlan().prepared, MakePathOptions(inputs.job), MakeLinkMoveOptions(inputs.job).leave, kept,
              {.threads = 2}, passes);
   EXPECT_EQ(BytesOf(passes), before);
   EXPECT_EQ(kept.writes, 0);
@@ -50,12 +50,12 @@ TEST(RepairEnds, GivesAnEndAPoseThatItCanBeLeftIn) {
        prepared.cell.X_WB * ForwardFlange(prepared.cell.arm, end) * At(160, 0, 100), Box{{20, 60, 60}}});
   prepared.world = World(prepared.cell);
   prepared.stations = Stations(prepared.world, prepared.problem);
-  const RetractOptions leave = MakeGapOptions(inputs.job).leave;
+  const RetractOptions leave = MakeLinkMoveOptions(inputs.job).leave;
   const Carrier carrier{prepared.cell.arm, prepared.cell.X_WB, prepared.cell.X_FT};
   ASSERT_LT(ShareToLeave(prepared.world, carrier, end, leave), 1);
   RepairEnds(prepared, MakePathOptions(inputs.job), leave, NoCheckpoints(), {.threads = 2}, passes);
   ASSERT_EQ(passes[0].pieces.size(), 1u);
-  for (const PlannedPoint& point : passes[0].points) EXPECT_EQ(point.skip, Obstacle::kNone);
+  for (const PlannedPoint& point : passes[0].points) EXPECT_EQ(point.skip, Infeasibility::kNone);
   const Joints now = passes[0].points[static_cast<size_t>(passes[0].pieces[0].last)].q;
   EXPECT_EQ(ShareToLeave(prepared.world, carrier, now, leave), 1);
   EXPECT_FALSE(now.isApprox(end, 1e-3));
@@ -66,7 +66,7 @@ TEST(RepairEnds, APassThatNoPoseCanLeaveIsLeftOutWithItsReason) {
   const JobInputs inputs = SmallInputs();
   PreparedJob prepared = FreshPlan().prepared;
   std::vector<PassResult> passes = FreshPlan().plan.passes;
-  RetractOptions leave = MakeGapOptions(inputs.job).leave;
+  RetractOptions leave = MakeLinkMoveOptions(inputs.job).leave;
   leave.height = 3000;  // through the cell and beyond the arm's reach
   const MemoryCheckpoints kept;
   RepairEnds(prepared, MakePathOptions(inputs.job), leave, kept, {.threads = 2}, passes);
@@ -91,7 +91,7 @@ TEST(PlanFiner, InsertsPointsOnTheSurfaceWhereABoundPerStepLosesThem) {
     EXPECT_EQ(pass.pieces.size(), 1u);
     for (size_t i = 0; i < pass.points.size(); ++i) {
       const PlannedPoint& point = pass.points[i];
-      EXPECT_EQ(point.skip, Obstacle::kNone) << point.detail;
+      EXPECT_EQ(point.skip, Infeasibility::kNone) << point.detail;
       EXPECT_LT(job.prepared.surface.mesh.Closest(job.plan.X_WP.inverse() * point.point.position).distance,
                 1e-9);
       if (i == 0) continue;
@@ -113,7 +113,7 @@ TEST(PlanFiner, PathsFromAFileKeepTheirPoints) {
   JobInputs inputs = LoadJobInputs(SamplePath("toolpaths/support_cam/job.yaml"));
   PreparedJob prepared = FreshPlan().prepared;
   std::vector<PassResult> passes = FreshPlan().plan.passes;
-  for (PassResult& pass : passes) pass.points[1].skip = Obstacle::kStep;  // would ask for more
+  for (PassResult& pass : passes) pass.points[1].skip = Infeasibility::kStep;  // would ask for more
   const std::string before = BytesOf(passes);
   const MemoryCheckpoints kept;
   PlanFiner(
@@ -194,7 +194,7 @@ TEST(PlanBestWays, KeepsTheDirectionsThatPlanningEveryPassBothWaysKeeps) {
   EXPECT_GT(std::ranges::count(expected, 0), 0);
 }
 
-TEST(PromisedWays, APlanSettlesWhatNoPlanOfThePromiseCouldBeat) {
+TEST(PromisingReversals, APlanSettlesWhatNoPlanOfThePromiseCouldBeat) {
   const Promise promise{.worst = 10, .sum = 0, .mean = 4};
   EXPECT_TRUE(IsBetterThanAny({0, 1, 9.4, 5}, promise, true)) << "the worst point decides";
   EXPECT_FALSE(IsBetterThanAny({0, 1, 9.6, 4}, promise, true));

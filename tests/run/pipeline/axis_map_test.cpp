@@ -2,8 +2,8 @@
 // What the axis map and the sentences on a pose say of a pass with something in its way.
 #include "report/samples/axis_map.hpp"
 
-#include "run/pipeline/commands/explain_pose.hpp"
 #include "report/samples/sample_curves.hpp"
+#include "run/pipeline/commands/explain_pose.hpp"
 #include "tests/planning/pass/pass_problem.hpp"
 
 namespace millpose {
@@ -53,8 +53,8 @@ TEST(AxisMap, ZonesAreTheVerdictsOfThePosesThemselves) {
       const uint8_t zone = full.zones[k][i];
       const double rotation = CurveGrid().first + static_cast<double>(i % 120) * CurveGrid().step;
       const Candidate candidate = scorer.ScoreOne({rotation}, static_cast<int>(i / 120));
-      EXPECT_EQ(zone >= kUncheckedZone, candidate.obstacle == Obstacle::kNone);
-      EXPECT_EQ(zone == kSingularZone, candidate.obstacle == Obstacle::kSingular);
+      EXPECT_EQ(zone >= kUncheckedZone, candidate.obstacle == Infeasibility::kNone);
+      EXPECT_EQ(zone == kSingularZone, candidate.obstacle == Infeasibility::kSingular);
       EXPECT_NE(zone, kUncheckedZone) << "all was asked for";
       if (zone < kUncheckedZone) continue;
       // What the search learned is of a candidate up to half a step away.
@@ -111,7 +111,7 @@ TEST(ExplainPose, NamesWhatBarsTheOptimum) {
 
 TEST(ExplainPose, SkippedPointsSayWhy) {
   BallScene p = BehindABall();
-  p.plan.passes[0].points[3].skip = Obstacle::kLimit;
+  p.plan.passes[0].points[3].skip = Infeasibility::kLimit;
   p.plan.passes[0].points[3].detail = "every pose is beyond a limit";
   EXPECT_EQ(ReasonSentences(ExplainPose(p.plan, Stations(*p.world, p.problem), 0, 3)),
             std::vector<std::string>{"skipped: limit: every pose is beyond a limit"});

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "job/assemble.hpp"
-#include "store/output_folder.hpp"
-#include "run/pipeline/outputs/run.hpp"
 #include "report/deflection.hpp"
+#include "run/pipeline/outputs/run.hpp"
+#include "store/output_folder.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 

@@ -4,8 +4,8 @@
 
 #include "base/file.hpp"
 #include "base/units.hpp"
-#include "job/config/config.hpp"
 #include "job/assemble.hpp"
+#include "job/config/config.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {
@@ -139,13 +139,13 @@ TEST(CellTextsOfACell, WaysToMovingCallsArePlanned) {
                     "[0, -90, 90, 0, 0, 0]}]\n    texts: {header: WASH ()}\n")
                     .first;
   const World world(MakeCell(inputs.cell, {}));
-  const std::vector<CallWay> ways = PlanCallWays(world, inputs, "krl", {});
+  const std::vector<CallTransition> ways = PlanCallTransitions(world, inputs, "krl", {});
   ASSERT_EQ(ways.size(), 1u);
   EXPECT_EQ(ways[0].call.text, "header");
   EXPECT_LT((ways[0].there.front() - world.cell().home).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_LT((ways[0].there.back() - ways[0].call.from).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_EQ(ways[0].back.size(), 1u);  // it ends at home
-  EXPECT_TRUE(PlanCallWays(world, inputs, "sinumerik", {}).empty());
+  EXPECT_TRUE(PlanCallTransitions(world, inputs, "sinumerik", {}).empty());
 }
 
 }  // namespace

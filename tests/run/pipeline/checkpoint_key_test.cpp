@@ -43,7 +43,7 @@ TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {
   using value_bytes_detail::CountFields;
   static_assert(CountFields<Arm>() == 19);
   static_assert(CountFields<PathOptions>() == 17);
-  static_assert(CountFields<GapOptions>() == 4);
+  static_assert(CountFields<LinkMoveOptions>() == 4);
   static_assert(CountFields<PoseProblem>() == 10);
   static_assert(CountFields<MillingPoint>() == 12);
   static_assert(CountFields<Body>() == 7);
@@ -89,12 +89,12 @@ TEST(CheckpointKey, WhateverAPassOrAGapIsHandedCounts) {
   const PoseProblem problem = Problem({{"feed_N", 10}});
   Cell cell;
   cell.bodies.push_back({"link", BodyClass::kLink, Mount::kLink, 3, Pose::Identity(), Sphere{5}});
-  const std::string pass = PassContext(problem, World(cell), {}), gap = GapContext(World(cell), {});
+  const std::string pass = PassContext(problem, World(cell), {}), gap = LinkMoveContext(World(cell), {});
   const auto expect_other = [&](const auto& change) {
     Cell changed = cell;
     change(changed);
     EXPECT_NE(PassContext(problem, World(changed), {}), pass);
-    EXPECT_NE(GapContext(World(changed), {}), gap);
+    EXPECT_NE(LinkMoveContext(World(changed), {}), gap);
   };
   expect_other([](Cell& c) { c.clearances.cutting += 1; });
   expect_other([](Cell& c) { c.X_WP.translation().z() = 1e-9; });
@@ -108,9 +108,9 @@ TEST(CheckpointKey, WhateverAPassOrAGapIsHandedCounts) {
   PathOptions options;
   options.leave = RetractOptions{};
   EXPECT_NE(PassContext(problem, World(cell), options), pass);
-  GapOptions gaps;
+  LinkMoveOptions gaps;
   gaps.seed = 2;
-  EXPECT_NE(GapContext(World(cell), gaps), gap);
+  EXPECT_NE(LinkMoveContext(World(cell), gaps), gap);
 }
 
 TEST(CheckpointKey, PassesAndGapsAreToldApartByPlaceAndNumber) {
@@ -123,18 +123,18 @@ TEST(CheckpointKey, PassesAndGapsAreToldApartByPlaceAndNumber) {
   EXPECT_NE(PassKey("context", pass, 2, 11), key) << "its points have other random streams";
   pass.points[0].feed_rate = 1;
   EXPECT_NE(PassKey("context", pass, 2, 10), key);
-  const GapEnd home, piece{1, 0, Joints::Constant(0.1)};
-  const std::string there = GapKey("context", home, piece);
-  EXPECT_NE(GapKey("context", piece, home), there);
-  for (GapEnd end : {GapEnd{2, 0, piece.q}, GapEnd{1, 1, piece.q}, GapEnd{1, 0, Joints::Constant(0.2)},
-                     GapEnd{1, 0, piece.q, {5.0}}})
-    EXPECT_NE(GapKey("context", home, end), there);
-  Gap gap;
+  const LinkMoveEnd home, piece{1, 0, Joints::Constant(0.1)};
+  const std::string there = LinkMoveKey("context", home, piece);
+  EXPECT_NE(LinkMoveKey("context", piece, home), there);
+  for (LinkMoveEnd end : {LinkMoveEnd{2, 0, piece.q}, LinkMoveEnd{1, 1, piece.q},
+                          LinkMoveEnd{1, 0, Joints::Constant(0.2)}, LinkMoveEnd{1, 0, piece.q, {5.0}}})
+    EXPECT_NE(LinkMoveKey("context", home, end), there);
+  LinkMove gap;
   gap.to_pass = 1, gap.to_piece = 0;
-  EXPECT_TRUE(IsGapOf(gap, home, piece));
-  EXPECT_FALSE(IsGapOf(gap, piece, home));
+  EXPECT_TRUE(IsLinkMoveOf(gap, home, piece));
+  EXPECT_FALSE(IsLinkMoveOf(gap, piece, home));
   gap.to_piece = 1;
-  EXPECT_FALSE(IsGapOf(gap, home, piece));
+  EXPECT_FALSE(IsLinkMoveOf(gap, home, piece));
 }
 
 TEST(CheckpointKey, APlanIsOfItsPassWhateverSplitsAddToIt) {

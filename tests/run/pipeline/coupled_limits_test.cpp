@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Limits that couple axes: what a cell may say, and that a plan keeps them from the predicate to the program.
-#include "job/config/config.hpp"
 #include "job/assemble.hpp"
+#include "job/config/config.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 
@@ -14,8 +14,8 @@ double MostOf(const PlanResult& plan) {
   double most = -1e9;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points)
-      if (point.skip == Obstacle::kNone) most = std::max(most, kFold.dot(point.q));
-  for (const Gap& gap : plan.gaps)
+      if (point.skip == Infeasibility::kNone) most = std::max(most, kFold.dot(point.q));
+  for (const LinkMove& gap : plan.gaps)
     for (const Joints& q : gap.joints) most = std::max(most, kFold.dot(q));
   return most;
 }
@@ -44,10 +44,10 @@ TEST(CoupledLimits, APlanKeepsThem) {
   const PlannedJob job = PlanJob(inputs, NoCheckpoints(), {.threads = 2});
   for (const PassResult& pass : job.plan.passes)
     for (const PlannedPoint& point : pass.points) {
-      ASSERT_EQ(point.skip, Obstacle::kNone) << point.detail;
+      ASSERT_EQ(point.skip, Infeasibility::kNone) << point.detail;
       EXPECT_LE(limit.Beyond(point.q), -margin + 1e-9);
     }
-  for (const Gap& gap : job.plan.gaps)
+  for (const LinkMove& gap : job.plan.gaps)
     for (const Joints& q : gap.joints) EXPECT_LE(limit.Beyond(q), 1e-9);
   EXPECT_EQ(ParsePlanResult(Serialise(job.plan), "plan").arm.coupled_limits.size(), 1u);
 }

@@ -44,7 +44,7 @@ const Laid& Wide() {
   return laid;
 }
 
-void Skip(PassResult& pass, Obstacle why = Obstacle::kInterference) {
+void Skip(PassResult& pass, Infeasibility why = Infeasibility::kInterference) {
   for (PlannedPoint& point : pass.points) point.skip = why;
   pass.pieces.clear();
 }
@@ -198,10 +198,10 @@ TEST(LeaveOverMissing, LeavesOutWhatWouldCutMuchWiderThanTheJobsOwnCuts) {
   for (const PassResult& pass : plan.passes) {
     pieces += pass.pieces.size();
     for (const PlannedPoint& point : pass.points) {
-      if (point.skip == Obstacle::kNone) {
+      if (point.skip == Infeasibility::kNone) {
         EXPECT_LE(point.point.engagement.width, 1.2 * own + 1e-6);
       }
-      if (point.skip == Obstacle::kOverMissing) {
+      if (point.skip == Infeasibility::kOverMissing) {
         EXPECT_NE(point.detail.find("next to the material that point "), std::string::npos) << point.detail;
         next_to_skipped += point.detail.find(", interference) leaves; ") != std::string::npos ? 1 : 0;
       }
@@ -221,7 +221,7 @@ TEST(EntriesOnMaterial, AreToldOfAToolThatDoesNotCutAtItsCentre) {
   EXPECT_NE(told.find(" of 10 entries, first at point 0 (pass 0)"), std::string::npos) << told;
   // An entry that is skipped is made where the pass begins then.
   PlanResult later = plan;
-  later.passes[0].points[0].skip = Obstacle::kInterference;
+  later.passes[0].points[0].skip = Infeasibility::kInterference;
   EXPECT_NE(EntriesOnMaterial(inputs, Wide().mesh(), later).find("first at point 1 (pass 0)"),
             std::string::npos);
 }

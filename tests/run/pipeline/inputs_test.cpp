@@ -3,8 +3,8 @@
 // valid.
 #include <set>
 
-#include "job/config/config.hpp"
 #include "job/assemble.hpp"
+#include "job/config/config.hpp"
 #include "job/workpiece.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "tests/base/refusal.hpp"

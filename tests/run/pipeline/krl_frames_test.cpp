@@ -4,8 +4,9 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "job/assemble.hpp"
-#include "run/pipeline/programs/program_warnings.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "program/krl/krl.hpp"
+#include "run/pipeline/programs/program_warnings.hpp"
 #include "tests/base/source_dir.hpp"
 #include "tests/program/own_options.hpp"
 

@@ -4,8 +4,8 @@
 
 #include "job/assemble.hpp"
 #include "job/workpiece.hpp"
-#include "store/checkpoint_key.hpp"
 #include "planning/pose/lean_problem.hpp"
+#include "store/checkpoint_key.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 

@@ -13,7 +13,7 @@ const std::string kJob =
     "  drill: {holes: [{at_mm: [1, 2, 3]}, {at_mm: [4, 5, 6]}]}\n"
     "  spacing_mm: 4\n";
 
-std::string Placed(const Place& place, const std::string& message) {
+std::string Placed(const SourceLocation& place, const std::string& message) {
   JobInputs inputs;
   inputs.job.file = "job.yaml";
   inputs.job_text = kJob;

@@ -3,10 +3,10 @@
 // them run again, and what they depend on does.
 #include "job/narrow_inputs.hpp"
 
-#include "store/kept_pass.hpp"
-#include "run/pipeline/stages/lay_path.hpp"
 #include "run/pipeline/programs/make_programs.hpp"
 #include "run/pipeline/programs/start_programs.hpp"
+#include "run/pipeline/stages/lay_path.hpp"
+#include "store/cached_pass.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 
 namespace millpose::test {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A job's plan as a value: what holds of every plan, and that neither threads nor checkpoints change it.
-#include "planning/links/job_planner.hpp"
 #include "job/assemble.hpp"
 #include "job/narrow_inputs.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/links/job_planner.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 
@@ -20,7 +20,7 @@ TEST(PlanJob, EveryPointIsOnTheToolPathInAnAdmissiblePose) {
     const std::vector<MillingPoint>& laid =
         job.prepared.toolpath.passes[static_cast<size_t>(pass.pass)].points;
     for (const PlannedPoint& planned : pass.points) {
-      ASSERT_EQ(planned.skip, Obstacle::kNone) << planned.detail;
+      ASSERT_EQ(planned.skip, Infeasibility::kNone) << planned.detail;
       const Pose X_WT = carrier.ToolPose(planned.q);
       EXPECT_LT((X_WT.translation() - planned.point.position).norm(), 1e-6);
       EXPECT_LT((X_WT.linear().col(2) - planned.point.tool_axis).norm(), 1e-9);
@@ -39,13 +39,13 @@ TEST(PlanJob, EveryPointIsOnTheToolPathInAnAdmissiblePose) {
   EXPECT_EQ(cuts, CountPoints(job.prepared.toolpath));
 }
 
-TEST(PlanJob, GapsJoinHomeThePiecesAndHome) {
+TEST(PlanJob, LinkMovesJoinHomeThePiecesAndHome) {
   const PlannedJob& job = FreshPlan();
   const Carrier carrier{job.plan.arm, job.plan.X_WB, job.plan.X_FT};
-  const auto ends = GapEnds(HomeOf(job.plan), job.plan.passes);
+  const auto ends = LinkMoveEnds(HomeOf(job.plan), job.plan.passes);
   ASSERT_EQ(job.plan.gaps.size(), ends.size());
   for (size_t i = 0; i < ends.size(); ++i) {
-    const Gap& gap = job.plan.gaps[i];
+    const LinkMove& gap = job.plan.gaps[i];
     ASSERT_TRUE(gap.planned) << gap.detail;
     EXPECT_EQ(gap.from_pass, ends[i].first.pass);
     EXPECT_EQ(gap.to_pass, ends[i].second.pass);
@@ -62,6 +62,32 @@ TEST(PlanJob, GapsJoinHomeThePiecesAndHome) {
     for (size_t k = 1; k < gap.joints.size(); ++k)
       EXPECT_FALSE(checker.Between(gap.joints[k - 1], gap.joints[k], Phase::kFree, 0.5));
   }
+}
+
+TEST(TryJob, PlansASampleOfThePassesAndSaysWhatThePlanWouldFind) {
+  const Execution execution{.threads = 2};
+  const TriedJob all = TryJob(SmallInputs(), 1000, NoCheckpoints(), execution);
+  EXPECT_EQ(all.problem, "");
+  EXPECT_EQ(all.passes, 2u);
+  EXPECT_EQ(all.of_passes, 2u);
+  EXPECT_EQ(all.points, all.of_points);
+  const TriedJob some = TryJob(SmallInputs(), 3, NoCheckpoints(), execution);
+  EXPECT_EQ(some.problem, "");
+  EXPECT_EQ(some.passes, 1u);
+  EXPECT_EQ(some.of_points, all.of_points);
+  EXPECT_LT(some.points, all.points);
+  EXPECT_EQ(TryJob(SmallInputs(), 0, NoCheckpoints(), execution).passes, 1u);
+  const std::string far =
+      TryJob(SmallInputs({{"workpiece.pose.xyz_mm", "[9000, 0, 1000]"}}), 1000, NoCheckpoints(), execution)
+          .problem;
+  EXPECT_EQ(far.substr(0, 7), "pass 0:") << far;
+  // The way there: home touches the part.
+  const PlannedJob& job = FreshPlan();
+  const Pose X_WT = Carrier{job.plan.arm, job.plan.X_WB, job.plan.X_FT}.ToolPose(job.plan.home);
+  const std::string body = fmt::format("[{:.1f}, {:.1f}, {:.1f}]", X_WT.translation().x(),
+                                       X_WT.translation().y(), X_WT.translation().z());
+  EXPECT_NE(TryJob(SmallInputs({{"workpiece.pose.xyz_mm", body}}), 1000, NoCheckpoints(), execution).problem,
+            "");
 }
 
 TEST(PlanJob, ProgramsAreConfirmedAndEachPieceHasItsStart) {

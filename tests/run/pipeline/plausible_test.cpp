@@ -82,7 +82,7 @@ TEST_F(Plausible, AStepOverLargerThanThePart) {
 TEST_F(Plausible, ALinksBodyFarFromTheArmIsRefusedUnlessItIsMeant) {
   folder_.Change("cell.yaml", "pose: {xyz_mm: [-46, -331, 10]}", "pose: {xyz_mm: [-46000, -331000, 10000]}");
   EXPECT_TRUE(Tells(CellDoubts(), "bodies[5].pose.xyz_mm: link2_lower lies "));
-  EXPECT_TRUE(Tells(CellDoubts(), "cell.yaml:36:"));
+  EXPECT_TRUE(Tells(CellDoubts(), "cell.yaml:38:"));
   EXPECT_TRUE(Tells(JobDoubts(), "bodies[5].pose.xyz_mm: link2_lower lies "));
   folder_.Change("cell.yaml", "excluded_pairs: []",
                  "excluded_pairs: []\ninterference: {far_bodies: [link2_lower]}");

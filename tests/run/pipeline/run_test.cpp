@@ -6,12 +6,12 @@
 
 #include "base/process.hpp"
 #include "job/origin.hpp"
-#include "store/manifest.hpp"
-#include "store/result_swap.hpp"
 #include "run/pipeline/outputs/run_record.hpp"
 #include "run/pipeline/outputs/up_to_date.hpp"
-#include "run/pipeline/programs/verify_programs.hpp"
 #include "run/pipeline/outputs/write_results.hpp"
+#include "run/pipeline/programs/verify_programs.hpp"
+#include "store/manifest.hpp"
+#include "store/result_swap.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 
@@ -166,13 +166,13 @@ TEST(HoldsPlanOf, OnlyWhatIsAsItWasWrittenByThisProgram) {
   EXPECT_TRUE(after([](const auto& out) { WriteFileAtomically(out / "note.txt", "the user's"); }));
 }
 
-TEST(FindStandingPlan, HoldsForTheSameWishesAlone) {
+TEST(FindExistingPlan, HoldsForTheSameWishesAlone) {
   const std::string key = CheckManifest(Planned().out()).key;
   const OutputFolder folder(Planned().out(), FolderUse::kCheckpoints);
   const auto found = [&](const std::function<void(PlanArguments&)>& change) {
     PlanArguments arguments = Planned().arguments();
     change(arguments);
-    return FindStandingPlan(Planned().out(), key,
+    return FindExistingPlan(Planned().out(), key,
                             BeginRun(arguments, "support_pad", Planned().job(), folder));
   };
   const auto standing = found([](PlanArguments&) {});

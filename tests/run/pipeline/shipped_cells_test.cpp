@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every cell of the project is free of interference with itself where it should be, and not everywhere.
 #include "base/random.hpp"
-#include "machine/collision/world.hpp"
 #include "job/assemble.hpp"
+#include "machine/collision/world.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {

@@ -3,11 +3,11 @@
 // distance.
 #include <nlohmann/json.hpp>
 
-#include "planning/links/job_planner.hpp"
 #include "job/assemble.hpp"
-#include "planning/pass/revolutions.hpp"
-#include "run/pipeline/stages/plan_gaps.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/links/job_planner.hpp"
+#include "planning/pass/revolutions.hpp"
+#include "run/pipeline/stages/plan_link_moves.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 
@@ -29,14 +29,14 @@ Json PlanIn(const World& world, int threads) {
           .passes;
   const AdmissibleBounds& bounds = prepared.problem.bounds;
   ChooseRevolutions(passes, {prepared.cell.home, bounds.lower, bounds.upper, false});
-  const PlannedGaps gaps =
-      PlanAllGaps(stations, passes, MakeGapOptions(inputs.job), NoCheckpoints(), execution);
+  const PlannedLinkMoves gaps =
+      PlanAllLinkMoves(stations, passes, MakeLinkMoveOptions(inputs.job), NoCheckpoints(), execution);
   Json plan;
   for (PassResult& pass : passes) {
     pass.pairs_checked = pass.pairs_saved = 0;
     plan.push_back(Json::from_cbor(Serialise(pass)));
   }
-  for (Gap gap : gaps.gaps) {
+  for (LinkMove gap : gaps.gaps) {
     gap.clearance = std::round(1e6 * gap.clearance);
     plan.push_back(Json::from_cbor(Serialise(gap)));
   }

@@ -4,17 +4,17 @@
 
 #include <thread>
 
-#include "planning/links/job_planner.hpp"
 #include "job/assemble.hpp"
 #include "job/measured_forces.hpp"
-#include "run/pipeline/commands/explain_pose.hpp"
-#include "run/pipeline/commands/find_reach.hpp"
-#include "run/pipeline/programs/plan_timeline.hpp"
+#include "planning/links/job_planner.hpp"
 #include "planning/result/point_clearance.hpp"
 #include "planning/result/verdict_map.hpp"
 #include "report/samples/axis_map.hpp"
 #include "report/samples/nearest_pairs.hpp"
 #include "report/samples/sample_curves.hpp"
+#include "run/pipeline/commands/explain_pose.hpp"
+#include "run/pipeline/commands/find_reach.hpp"
+#include "run/pipeline/programs/plan_timeline.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 #include "tests/run/pipeline/small_job.hpp"
@@ -88,12 +88,12 @@ TEST(FindReach, SaysTheBestThatAnyRotationAndBranchGives) {
     for (const MillingPoint& point : pass.points) {
       const PointScorer scorer(prepared.problem, point, pass.rotation_reference);
       const PointReach& found = reach[number++];
-      ASSERT_EQ(found.best, Obstacle::kNone);
+      ASSERT_EQ(found.best, Infeasibility::kNone);
       double most = -10;
       for (int i = 0; i < 36; ++i)
         for (int branch = 0; branch < 8; ++branch) {
           const Candidate candidate = scorer.ScoreOne({i * step}, branch);
-          if (candidate.obstacle != Obstacle::kNone) continue;
+          if (candidate.obstacle != Infeasibility::kNone) continue;
           const Joints room = (candidate.q - prepared.problem.bounds.lower)
                                   .cwiseMin(prepared.problem.bounds.upper - candidate.q);
           most = std::max(most, room.minCoeff());
@@ -120,14 +120,14 @@ TEST(FindReach, TellsWhatForbidsAPointThatHasNoPose) {
     return FindReach(prepared, DegToRad(10), {.threads = 1});
   };
   std::vector<PointReach> reach = with([](AdmissibleBounds&) {});
-  EXPECT_EQ(reach[0].best, Obstacle::kUnreachable);
+  EXPECT_EQ(reach[0].best, Infeasibility::kUnreachable);
   EXPECT_EQ(reach[0].axis, -1);
-  EXPECT_EQ(reach[1].best, Obstacle::kNone);
+  EXPECT_EQ(reach[1].best, Infeasibility::kNone);
   reach = with([](AdmissibleBounds& bounds) { bounds.upper[1] = bounds.lower[1] + DegToRad(5); });
-  EXPECT_EQ(reach[1].best, Obstacle::kLimit);
+  EXPECT_EQ(reach[1].best, Infeasibility::kLimit);
   EXPECT_EQ(reach[1].axis, 1);
   EXPECT_LT(reach[1].reserve, 0);
-  EXPECT_EQ(with([](AdmissibleBounds& bounds) { bounds.wrist_min = 1; })[1].best, Obstacle::kSingular);
+  EXPECT_EQ(with([](AdmissibleBounds& bounds) { bounds.wrist_min = 1; })[1].best, Infeasibility::kSingular);
 }
 
 TEST(NearestPairs, AreThoseOfThePoses) {
@@ -147,7 +147,7 @@ TEST(NearestPairs, AreThoseOfThePoses) {
       EXPECT_NEAR(found->distance, point.clearance, 1e-6);
     }
   PlanResult skipped = job.plan;
-  skipped.passes[0].points[1].skip = Obstacle::kLimit;
+  skipped.passes[0].points[1].skip = Infeasibility::kLimit;
   EXPECT_FALSE(FindNearestPairs(skipped, job.prepared.stations, {.threads = 1}).contains(1));
 }
 
@@ -169,10 +169,10 @@ TEST(SampleCurves, HoldEveryPoseOfTheGridAsTheScorerHasIt) {
         const Candidate candidate = scorer.ScoreOne({grid.first + i * grid.step}, branch);
         const auto at = static_cast<size_t>(i), on = static_cast<size_t>(branch);
         EXPECT_EQ(curve.state[at][on], candidate.obstacle);
-        if (candidate.obstacle == Obstacle::kNone) {
+        if (candidate.obstacle == Infeasibility::kNone) {
           EXPECT_EQ(curve.objective[at][on], candidate.objective);
         }
-        if (candidate.obstacle == Obstacle::kUnreachable) {
+        if (candidate.obstacle == Infeasibility::kUnreachable) {
           EXPECT_TRUE(std::isinf(curve.objective[at][on]));
         }
       }
@@ -206,11 +206,11 @@ TEST(WithoutBounds, EveryReachedPoseHasAnObjective) {
   for (double rotation = -3; rotation < 3; rotation += 0.2)
     for (int branch = 0; branch < 8; ++branch) {
       const Candidate a = bounded.ScoreOne({rotation}, branch), b = unbounded.ScoreOne({rotation}, branch);
-      EXPECT_EQ(a.obstacle == Obstacle::kUnreachable, b.obstacle == Obstacle::kUnreachable);
-      if (a.obstacle == Obstacle::kNone) {
+      EXPECT_EQ(a.obstacle == Infeasibility::kUnreachable, b.obstacle == Infeasibility::kUnreachable);
+      if (a.obstacle == Infeasibility::kNone) {
         EXPECT_EQ(a.objective, b.objective);
       }
-      forbidden += a.obstacle == Obstacle::kLimit && b.obstacle == Obstacle::kNone ? 1 : 0;
+      forbidden += a.obstacle == Infeasibility::kLimit && b.obstacle == Infeasibility::kNone ? 1 : 0;
     }
   EXPECT_GT(forbidden, 10);
 }
@@ -233,13 +233,13 @@ TEST(AxisMap, SaysOfEveryPoseWhatForbidsIt) {
             {CurveGrid().first + static_cast<double>(i) * CurveGrid().step}, static_cast<int>(branch));
         const uint8_t zone = full.zones[k][branch * kAxisRotations + i];
         switch (candidate.obstacle) {
-          case Obstacle::kUnreachable:
+          case Infeasibility::kUnreachable:
             EXPECT_EQ(zone, kOutOfReach);
             break;
-          case Obstacle::kSingular:
+          case Infeasibility::kSingular:
             EXPECT_EQ(zone, kSingularZone);
             break;
-          case Obstacle::kLimit:
+          case Infeasibility::kLimit:
             EXPECT_EQ(zone, kLimitZone + FarthestBeyond(job.prepared.problem.bounds, candidate.q).joint);
             break;
           default:
@@ -253,7 +253,7 @@ TEST(AxisMap, SaysOfEveryPoseWhatForbidsIt) {
     const Candidate there =
         scorer.ScoreOne({CurveGrid().first + static_cast<double>(cell) * CurveGrid().step}, point.branch);
     const uint8_t zone = known.zones[k][static_cast<size_t>(point.branch) * kAxisRotations + cell];
-    EXPECT_EQ(zone == kFreeZone, there.obstacle == Obstacle::kNone) << "where the path is";
+    EXPECT_EQ(zone == kFreeZone, there.obstacle == Infeasibility::kNone) << "where the path is";
     on_path += zone == kFreeZone ? 1 : 0;
   }
   EXPECT_GE(on_path, 1);
@@ -275,17 +275,17 @@ TEST(ExplainPose, NamesThePathAndTheStiffestPoseThatIsForbidden) {
       if (!reason.forbidden) continue;
       const PointScorer scorer(job.prepared.problem, point.point, job.plan.passes[p].rotation_reference);
       EXPECT_NE(scorer.ScoreOne({reason.forbidden->pose.rotation}, reason.forbidden->pose.branch).obstacle,
-                Obstacle::kNone);
+                Infeasibility::kNone);
     }
   PlanResult skipped = job.plan;
-  skipped.passes[0].points[0].skip = Obstacle::kGouge;
+  skipped.passes[0].points[0].skip = Infeasibility::kGouge;
   skipped.passes[0].points[0].detail = "3 mm deep";
   EXPECT_EQ(ExplainPose(skipped, job.prepared.stations, 0, 0).skipped, "gouge: 3 mm deep");
 }
 
 TEST(StartEnds, LeadFromHomeToEveryPieceButTheFirst) {
   const PlanResult& plan = FreshPlan().plan;
-  const auto gaps = GapEnds(HomeOf(plan), plan.passes);
+  const auto gaps = LinkMoveEnds(HomeOf(plan), plan.passes);
   const auto starts = StartEnds(gaps);
   ASSERT_EQ(starts.size(), gaps.size() - 2);
   for (size_t i = 0; i < starts.size(); ++i) {
@@ -302,7 +302,7 @@ TEST(SingleStart, IsMadeOfPlannedMotionsAlone) {
   const PlannedJob& job = FreshPlan();
   std::vector<std::pair<Joints, Joints>> planned;
   for (const PlanResult* plan : {&job.plan, &job.starts.ways})
-    for (const Gap& gap : plan->gaps)
+    for (const LinkMove& gap : plan->gaps)
       for (size_t k = 1; k < gap.joints.size(); ++k) {
         planned.emplace_back(gap.joints[k - 1], gap.joints[k]);
         planned.emplace_back(gap.joints[k], gap.joints[k - 1]);
@@ -313,7 +313,7 @@ TEST(SingleStart, IsMadeOfPlannedMotionsAlone) {
     EXPECT_EQ(single.gaps[0].joints.front(), job.plan.home);
     EXPECT_EQ(single.gaps[1].joints.back(), job.plan.home);
     EXPECT_EQ(single.gaps[1].to_pass, -1);
-    for (const Gap& gap : single.gaps)
+    for (const LinkMove& gap : single.gaps)
       for (size_t k = 1; k < gap.joints.size(); ++k)
         EXPECT_NE(std::ranges::find(planned, std::pair(gap.joints[k - 1], gap.joints[k])), planned.end());
     size_t points = 0;

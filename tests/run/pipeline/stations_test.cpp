@@ -3,10 +3,10 @@
 // where a pass is planned better there.
 #include "job/assemble.hpp"
 #include "job/external_positions.hpp"
-#include "run/pipeline/stages/choose_stations.hpp"
-#include "run/pipeline/stages/other_stations.hpp"
 #include "planning/result/pass_value.hpp"
 #include "planning/result/skipped.hpp"
+#include "run/pipeline/stages/choose_stations.hpp"
+#include "run/pipeline/stages/other_stations.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 
@@ -188,10 +188,10 @@ TEST(PlanOtherStations, PointsThatNoStationCouldServeAskForNone) {
   PassResult& pass = near.job.plan.passes[0];
   ASSERT_EQ(CountSkipped(pass), 0u);
   for (PlannedPoint& point : pass.points) point.objective = point.own_optimum;  // joining them costs nothing
-  pass.points[1].skip = Obstacle::kGouge;
+  pass.points[1].skip = Infeasibility::kGouge;
   near.Try({{1000}});
   EXPECT_EQ(near.kept.writes, 0);
-  pass.points[1].skip = Obstacle::kInterference;
+  pass.points[1].skip = Infeasibility::kInterference;
   near.Try({{1000}});
   EXPECT_EQ(near.kept.writes, 1);
 }

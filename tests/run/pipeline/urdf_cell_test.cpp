@@ -8,6 +8,7 @@
 #include "job/assemble.hpp"
 #include "machine/robot/joint_chain.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/base/source_dir.hpp"
 

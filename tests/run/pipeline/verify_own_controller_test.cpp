@@ -2,9 +2,9 @@
 // A controller that a program brings along, whose programs end like those of another.
 #include <gtest/gtest.h>
 
-#include "run/pipeline/programs/verify_programs.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
 #include "program/post_entry.hpp"
+#include "run/pipeline/programs/verify_programs.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 
 namespace millpose::test {

@@ -49,8 +49,10 @@ Written Write(const Handed& handed) {
                                    .parts = parts,
                                    .timeline = timeline,
                                    .fixed = FreshPlan().fixed,
+                                   .faces = FreshPlan().faces,
                                    .heaviest = prepared.heaviest,
                                    .compensation_remains = {},
+                                   .face = {},
                                    .execution = execution},
                                   set);
     set.AddManifest("key");

@@ -34,7 +34,7 @@ Case Drawn(uint64_t seed) {
     std::vector<ScoredPoint>& row = drawn.rows.emplace_back();
     for (const double at : drawn.along) {
       const bool free = std::abs(at - middle) < reach && draw() > 0.05;
-      row.push_back({free ? Obstacle::kNone : Obstacle::kUnreachable,
+      row.push_back({free ? Infeasibility::kNone : Infeasibility::kUnreachable,
                      free ? 1 + std::abs(at - middle) / reach + 0.2 * draw() : 0});
     }
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
-#include "planning/pose/objective.hpp"
 #include "machine/stiffness/indices_block.hpp"
+#include "planning/pose/objective.hpp"
 
 namespace millpose {
 namespace {
@@ -29,12 +29,12 @@ class Chen2021 final : public Objective {
 Chen2021::Chen2021(const ObjectiveParameters& parameters)
     : w1_(parameters.at("w1")), w2_(parameters.at("w2")) {
   if (w1_ + w2_ <= 0.0)
-    throw InputError(Place{}, "objective chen2021: w1 and w2 are both 0; allowed: one above 0");
+    throw InputError(SourceLocation{}, "objective chen2021: w1 and w2 are both 0; allowed: one above 0");
   const double reference_t2 = parameters.at("reference_t2"), reference_n = parameters.at("reference_n");
   normalised_ = reference_t2 > 0.0 && reference_n > 0.0;
   if (!normalised_ && reference_t2 + reference_n > 0.0)
     throw InputError(
-        Place{},
+        SourceLocation{},
         "objective chen2021: only one of reference_t2 and reference_n is above 0; allowed: both, or none");
   if (!normalised_) return;
   w1_ /= reference_t2;

@@ -13,29 +13,35 @@ namespace {
 /// make, mm: |nᵀcF′| over all F′ that are up to `force_uncertainty_percent` (u) longer and lie up to
 /// `force_direction_deg` (δ) off, (1 + u)·|F|·|g|·cos(max(0, θ − δ)) with g = c·n and θ the acute angle
 /// between g and F. |nᵀcF| itself is zero where two parts of one force cancel, which no real force keeps to.
+/// face_error is the same at a point, and judges whole ways besides.
 class SurfaceError final : public Objective {
  public:
-  explicit SurfaceError(const ObjectiveParameters& parameters);
-  std::string Name() const override { return "surface_error"; }
+  SurfaceError(const char* name, bool judges_face, const ObjectiveParameters& parameters);
+  std::string Name() const override { return name_; }
   std::string Unit() const override { return "mm"; }
   bool DependsOnFeed() const override { return true; }
   bool ReadsToolAxis() const override { return false; }
   bool NeedsForce() const override { return true; }
+  std::optional<ForceBounds> JudgesFace() const override { return judged_; }
   void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
 
  private:
+  const char* name_;
   double factor_;  // 1 + u
   SineCosine off_;
+  std::optional<ForceBounds> judged_;
 };
 
-SurfaceError::SurfaceError(const ObjectiveParameters& parameters) {
+SurfaceError::SurfaceError(const char* name, bool judges_face, const ObjectiveParameters& parameters)
+    : name_(name) {
   const double direction = parameters.at("force_direction_deg");
   if (direction > 90)
-    throw InputError(Place{}, fmt::format("objective surface_error: force_direction_deg is {:.6g}; allowed: "
-                                          "at most 90",
-                                          direction));
+    throw InputError(
+        SourceLocation{},
+        fmt::format("objective {}: force_direction_deg is {:.6g}; allowed: at most 90", name, direction));
   factor_ = 1 + 0.01 * parameters.at("force_uncertainty_percent");
   off_ = SinCos(DegToRad(direction));
+  if (judges_face) judged_ = {factor_ - 1, DegToRad(direction)};
 }
 
 void SurfaceError::Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const {
@@ -59,14 +65,22 @@ void SurfaceError::Evaluate(const ComplianceBlock& c, const ObjectiveContext& co
       });
 }
 
+/// An entry under `name`; both are worst first.
+ObjectiveEntry EntryOf(const char* name, bool judges_face) {
+  return {.name = name,
+          .parameters = {{"force_uncertainty_percent", 30, 0}, {"force_direction_deg", 20, 0}},
+          .make = [name, judges_face](
+                      const auto& all) { return std::make_unique<SurfaceError>(name, judges_face, all); },
+          .worst_first = true,
+          .with_force = !judges_face,
+          .of_paper = false,
+          .with_lost_motion = judges_face};
+}
+
 }  // namespace
 
-ObjectiveEntry SurfaceErrorEntry() {
-  return {"surface_error",
-          {{"force_uncertainty_percent", 30, 0}, {"force_direction_deg", 20, 0}},
-          [](const ObjectiveParameters& all) { return std::make_unique<SurfaceError>(all); },
-          true,
-          true};
-}
+ObjectiveEntry SurfaceErrorEntry() { return EntryOf("surface_error", false); }
+
+ObjectiveEntry FaceErrorEntry() { return EntryOf("face_error", true); }
 
 }  // namespace millpose

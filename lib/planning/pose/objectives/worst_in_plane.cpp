@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "planning/pose/objective.hpp"
 #include "machine/stiffness/indices_block.hpp"
+#include "planning/pose/objective.hpp"
 
 namespace millpose {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/audit/audit.hpp"
 
+#include "audit/interference.hpp"
 #include "base/parallel.hpp"
+#include "machine/motion/line.hpp"
+#include "machine/robot/angles.hpp"
 #include "planning/compensation/compensate.hpp"
 #include "planning/links/job_planner.hpp"
-#include "audit/interference.hpp"
-#include "machine/motion/line.hpp"
-#include "run/pipeline/audit/judge_setup.hpp"
 #include "planning/result/station.hpp"
-#include "machine/robot/angles.hpp"
+#include "run/pipeline/audit/judge_setup.hpp"
 #include "toolpath/cutter.hpp"
 
 namespace millpose {
@@ -24,8 +24,8 @@ long long BeyondAxes(const PlanResult& plan, const PassResult& pass) {
   long long beyond = 0;
   for (size_t t = 0; t < pass.points.size(); ++t) {
     const PlannedPoint& point = pass.points[t];
-    if (!point.external || point.skip != Obstacle::kNone) continue;
-    const bool goes = t > 0 && pass.points[t - 1].skip == Obstacle::kNone &&
+    if (!point.external || point.skip != Infeasibility::kNone) continue;
+    const bool goes = t > 0 && pass.points[t - 1].skip == Infeasibility::kNone &&
                       pass.points[t - 1].piece == point.piece && pass.points[t - 1].external;
     const double way =
         goes ? (OnPartAtZero(plan, *point.external, point.point.position) -
@@ -58,7 +58,7 @@ void AuditPoints(const PlanResult& plan, const Mesh& mesh, const AuditRules& rul
       if (point.point.kind == PointKind::kCut && mesh.face_count() > 0)
         figures->max_slice_distance_mm =
             std::max(figures->max_slice_distance_mm, mesh.Closest(X_PW * on_surface(point.point)).distance);
-      if (point.skip != Obstacle::kNone) continue;
+      if (point.skip != Infeasibility::kNone) continue;
       if (!bounds.Hold(point.q, 1e-9)) ++figures->limit_violations;
     }
     figures->limit_violations += BeyondAxes(plan, pass);
@@ -92,7 +92,7 @@ void AddLine(const Carrier& carrier, const Step& line, std::vector<Step>& steps)
   }
 }
 
-std::string NameOf(const GapEnd& end) {
+std::string NameOf(const LinkMoveEnd& end) {
   return end.pass < 0 ? "home" : fmt::format("pass {} piece {}", end.pass, end.piece);
 }
 
@@ -102,8 +102,8 @@ void AddCuts(const PlanResult& plan, const PassResult& pass, size_t& first_numbe
     const ExternalPosition &here = ExternalAt(pass, static_cast<size_t>(from)),
                            &there = ExternalAt(pass, static_cast<size_t>(to));
     if (pass.points[static_cast<size_t>(to)].external)
-      carrier.ride =
-          std::make_shared<Ride>(Ride{Mechanism(plan.external_axes), plan.X_WB, plan.X_WP, here, there});
+      carrier.ride = std::make_shared<CoordinatedMotion>(
+          CoordinatedMotion{Mechanism(plan.external_axes), plan.X_WB, plan.X_WP, here, there});
     const Joints& start = pass.points[static_cast<size_t>(from)].q;
     // A ring's joints have turned by full revolutions when it comes by its first point again.
     const Joints end = NearestEquivalent(start, pass.points[static_cast<size_t>(to)].q);
@@ -114,15 +114,15 @@ void AddCuts(const PlanResult& plan, const PassResult& pass, size_t& first_numbe
              here},
             steps);
   };
-  for (const Piece& piece : pass.pieces) {
+  for (const Segment& piece : pass.pieces) {
     for (int i = piece.first; i < piece.last; ++i) add(i, i + 1);
     if (piece.closed) add(piece.last, piece.first);
   }
   first_number += pass.points.size();
 }
 
-void AddGap(const PlanResult& plan, const Gap& gap, const std::pair<GapEnd, GapEnd>& ends,
-            std::vector<Step>& steps) {
+void AddLinkMove(const PlanResult& plan, const LinkMove& gap, const std::pair<LinkMoveEnd, LinkMoveEnd>& ends,
+                 std::vector<Step>& steps) {
   if (!gap.planned || gap.joints.empty()) return;
   const auto& [from, to] = ends;
   const double share = gap.clearance_share;
@@ -147,9 +147,9 @@ std::vector<Step> StepsOf(const PlanResult& plan) {
   std::vector<Step> steps;
   size_t number = 0;
   for (const PassResult& pass : plan.passes) AddCuts(plan, pass, number, steps);
-  const auto ends = GapEnds(HomeOf(plan), plan.passes);
+  const auto ends = LinkMoveEnds(HomeOf(plan), plan.passes);
   for (size_t i = 0; i < std::min(plan.gaps.size(), ends.size()); ++i)
-    AddGap(plan, plan.gaps[i], ends[i], steps);
+    AddLinkMove(plan, plan.gaps[i], ends[i], steps);
   return steps;
 }
 

@@ -4,11 +4,11 @@
 #include <optional>
 
 #include "base/execution.hpp"
-#include "machine/collision/cell.hpp"
-#include "planning/result/plan_result.hpp"
-#include "planning/pose/scorer.hpp"
-#include "report/report.hpp"
 #include "geometry/mesh/mesh.hpp"
+#include "machine/collision/cell.hpp"
+#include "planning/pose/scorer.hpp"
+#include "planning/result/plan_result.hpp"
+#include "report/report.hpp"
 #include "toolpath/cutter.hpp"
 
 namespace millpose {

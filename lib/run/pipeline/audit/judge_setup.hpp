@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "machine/collision/cell.hpp"
 #include "audit/setup.hpp"
+#include "machine/collision/cell.hpp"
 
 namespace millpose {
 

@@ -6,11 +6,11 @@
 #include "base/csv.hpp"
 #include "base/error.hpp"
 #include "job/assemble.hpp"
-#include "store/output_folder.hpp"
-#include "store/read_whole.hpp"
-#include "run/pipeline/outputs/write_results.hpp"
 #include "planning/result/station.hpp"
 #include "report/deflection.hpp"
+#include "run/pipeline/outputs/write_results.hpp"
+#include "store/output_folder.hpp"
+#include "store/read_whole.hpp"
 
 namespace millpose {
 namespace {
@@ -18,12 +18,12 @@ namespace {
 using Eigen::Vector3d;
 
 /// A cut point of the finished face, in P.
-struct FacePlace {
+struct PlaceOfReading {
   Vector3d position;
   FaceReading predicted;
 };
 
-std::vector<FacePlace> FaceOf(const PlanResult& plan, const JobInputs& inputs) {
+std::vector<PlaceOfReading> FaceOf(const PlanResult& plan, const JobInputs& inputs) {
   const int finished_from = FinishedFrom(inputs.job, plan.passes.size());
   const DeflectionReport report =
       PredictDeflections(plan, CuttingForce{}, MakeCompliances(inputs.cell), finished_from);
@@ -34,7 +34,7 @@ std::vector<FacePlace> FaceOf(const PlanResult& plan, const JobInputs& inputs) {
       points.push_back(&pass.points[i]);
       externals.push_back(&ExternalAt(pass, i));
     }
-  std::vector<FacePlace> face;
+  std::vector<PlaceOfReading> face;
   for (const DeflectedPoint& deflected : report.points) {
     const PlannedPoint& point = *points[deflected.number];
     const Pose X_PW = PartAt(plan, *externals[deflected.number]).inverse();
@@ -48,6 +48,7 @@ std::vector<FacePlace> FaceOf(const PlanResult& plan, const JobInputs& inputs) {
     } else if (predicted.side == CutSide::kAir) {
       continue;
     }
+    if (point.compensation) predicted.taken += point.compensation->map;
     face.push_back({X_PW * point.point.position, predicted});
   }
   return face;
@@ -65,8 +66,9 @@ void NumberPlaces(const std::vector<Vector3d>& places, std::vector<FaceReading>&
       }
 }
 
-/// The plan and its job, of one set.
-std::pair<PlanResult, JobInputs> ReadPlan(const CalibrateArguments& arguments) {
+}  // namespace
+
+std::pair<PlanResult, JobInputs> ReadMeasuredPlan(const CalibrateArguments& arguments) {
   std::pair<PlanResult, JobInputs> read;
   arguments.root.CheckFolder(arguments.plan);
   ReadWhole(arguments.plan, [&] {
@@ -80,15 +82,13 @@ std::pair<PlanResult, JobInputs> ReadPlan(const CalibrateArguments& arguments) {
   return read;
 }
 
-}  // namespace
-
 CalibratedPart CalibratePart(const CalibrateArguments& arguments) {
   constexpr double kMillimetre = 1e-3, kMost = 1e5;  // µm to mm; µm
   const std::string name = arguments.measured.string();
   const CsvTable table =
       ReadCsv(arguments.root.Read(arguments.measured), name, {{"x_mm", "y_mm", "z_mm", "error_um"}, {}});
-  const auto [plan, inputs] = ReadPlan(arguments);
-  const std::vector<FacePlace> face = FaceOf(plan, inputs);
+  const auto [plan, inputs] = ReadMeasuredPlan(arguments);
+  const std::vector<PlaceOfReading> face = FaceOf(plan, inputs);
   if (face.empty())
     throw InputError({arguments.plan.string()},
                      "the plan predicts no deflection: it needs process.cutting, or compensation by measured "
@@ -100,7 +100,7 @@ CalibratedPart CalibratePart(const CalibrateArguments& arguments) {
   for (size_t row = 0; row < table.size(); ++row) {
     const Vector3d place(table.At(row, "x_mm"), table.At(row, "y_mm"), table.At(row, "z_mm"));
     const auto nearest = std::ranges::min_element(
-        face, {}, [&](const FacePlace& other) { return (other.position - place).squaredNorm(); });
+        face, {}, [&](const PlaceOfReading& other) { return (other.position - place).squaredNorm(); });
     const double distance = (nearest->position - place).norm();
     const double most = inputs.cell.tool.cutter_diameter;
     const double error = table.At(row, "error_um");

@@ -6,8 +6,10 @@
 #include <optional>
 
 #include "base/file_root.hpp"
-#include "planning/compensation/calibrate.hpp"
 #include "job/config/job_settings.hpp"
+#include "job/inputs.hpp"
+#include "planning/compensation/calibrate.hpp"
+#include "planning/result/plan_result.hpp"
 
 namespace millpose {
 
@@ -28,5 +30,8 @@ struct CalibratedPart {
 /// Compares every reading with the nearest cut point of the finished face. Throws InputError for what cannot
 /// be read and for readings that lie more than a cutter's diameter from every point.
 CalibratedPart CalibratePart(const CalibrateArguments& arguments);
+
+/// The plan that a part was milled by, and its job, of one set. Throws InputError.
+std::pair<PlanResult, JobInputs> ReadMeasuredPlan(const CalibrateArguments& arguments);
 
 }  // namespace millpose

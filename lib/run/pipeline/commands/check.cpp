@@ -5,15 +5,15 @@
 
 #include "base/loose_file.hpp"
 #include "base/units.hpp"
+#include "geometry/import/step_reader.hpp"
+#include "geometry/mesh/corner_normals.hpp"
+#include "geometry/mesh/round_holes.hpp"
 #include "job/assemble.hpp"
 #include "job/locate.hpp"
 #include "job/plausible.hpp"
 #include "job/step_meshes.hpp"
-#include "run/pipeline/commands/find_reach.hpp"
 #include "report/check_html.hpp"
-#include "geometry/mesh/corner_normals.hpp"
-#include "geometry/mesh/round_holes.hpp"
-#include "geometry/import/step_reader.hpp"
+#include "run/pipeline/commands/find_reach.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {
@@ -90,19 +90,24 @@ void Count(const std::vector<PointReach>& reach, JobCheck& check) {
   check.points = reach.size();
   for (size_t i = 0; i < reach.size(); ++i) {
     ++check.reach[static_cast<size_t>(reach[i].best)];
-    if (reach[i].best == Obstacle::kLimit) ++check.limited[static_cast<size_t>(reach[i].axis)];
-    if (reach[i].best != Obstacle::kNone && check.out_of_reach.size() < kNamed)
+    if (reach[i].best == Infeasibility::kLimit) ++check.limited[static_cast<size_t>(reach[i].axis)];
+    if (reach[i].best != Infeasibility::kNone && check.out_of_reach.size() < kNamed)
       check.out_of_reach.push_back(i);
   }
 }
 
+struct WrongWay {
+  std::vector<std::string> findings;
+  std::optional<WrongSide> first;  ///< of the points that they are about
+};
+
 /// What of most of a job's points tells that the part, or its region, is the wrong way round: normals that
 /// look away from the arm, tools that come from below.
-std::vector<std::string> WrongWayRound(const PreparedJob& prepared) {
+WrongWay WrongWayRound(const PreparedJob& prepared) {
   const Cell& cell = prepared.cell;
   const Eigen::Vector3d shoulder = cell.X_WB * Eigen::Vector3d(0, 0, cell.arm.d1);
   size_t points = 0, away = 0, below = 0;
-  std::optional<Eigen::Vector3d> normal, axis;  // of the first such
+  std::optional<WrongSide> looks_away, from_below;  // the first such
   for (const Pass& pass : prepared.toolpath.passes)
     for (const MillingPoint& point : pass.points) {
       if (point.kind != PointKind::kCut) continue;
@@ -111,12 +116,12 @@ std::vector<std::string> WrongWayRound(const PreparedJob& prepared) {
       // beside.
       if (point.normal.dot((shoulder - point.position).normalized()) < -0.5) {
         ++away;
-        if (!normal) normal = point.normal;
+        if (!looks_away) looks_away = WrongSide{point.position, point.normal, point.tool_axis, true, false};
       }
       // The spindle hangs lower than the tip, by more than 17°.
       if (point.tool_axis.z() < -0.3) {
         ++below;
-        if (!axis) axis = point.tool_axis;
+        if (!from_below) from_below = WrongSide{point.position, point.normal, point.tool_axis, false, true};
       }
     }
   const auto most = [&](size_t count) { return 2 * count > points; };
@@ -124,17 +129,22 @@ std::vector<std::string> WrongWayRound(const PreparedJob& prepared) {
     const Eigen::Vector3d r = ((v * 1000).array().round() / 1000 + 0.0).matrix();
     return fmt::format("({:.3f}, {:.3f}, {:.3f})", r.x(), r.y(), r.z());
   };
-  std::vector<std::string> found;
-  if (most(away))
-    found.push_back(
+  WrongWay found;
+  if (most(away)) {
+    found.first = looks_away;
+    found.findings.push_back(
         fmt::format("{} of {} points have a normal that looks away from the arm, such as {} in the world: is "
                     "the part the right way round, and the region the face that is meant?",
-                    away, points, text(*normal)));
-  if (most(below))
-    found.push_back(fmt::format(
+                    away, points, text(looks_away->normal)));
+  }
+  if (most(below)) {
+    if (!found.first) found.first = from_below;
+    if (found.first->position == from_below->position) found.first->below = true;
+    found.findings.push_back(fmt::format(
         "at {} of {} points the tool comes from below the part, with the axis {} in the world from "
         "tip to holder: is the part the right way up?",
-        below, points, text(*axis)));
+        below, points, text(from_below->tool_axis)));
+  }
   return found;
 }
 
@@ -185,7 +195,8 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
     if (std::ranges::find(prepared.made.notes, warning) == prepared.made.notes.end())
       warnings.push_back(warning);
   warnings.insert(warnings.end(), prepared.made.findings.begin(), prepared.made.findings.end());
-  std::ranges::move(WrongWayRound(prepared), std::back_inserter(warnings));
+  WrongWay wrong = WrongWayRound(prepared);
+  std::ranges::move(wrong.findings, std::back_inserter(warnings));
   check.mesh = Described(inputs.job.workpiece.mesh_file, inputs.job.workpiece.unit, prepared.surface,
                          Reach(prepared.cell), std::move(warnings));
   check.mesh.notes = prepared.made.notes;
@@ -211,6 +222,7 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
       view.in_region.push_back(region.HasFace(face));
   }
   view.toolpath = &prepared.toolpath;
+  view.wrong_side = wrong.first;
   view.reach = reach;
   view.findings = check.mesh.warnings;
   view.notes = check.mesh.notes;

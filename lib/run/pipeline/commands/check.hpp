@@ -11,10 +11,10 @@
 
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
-#include "job/arrival.hpp"
-#include "job/inputs.hpp"
 #include "geometry/import/mesh_import.hpp"
 #include "geometry/import/mesh_parts.hpp"
+#include "job/arrival.hpp"
+#include "job/inputs.hpp"
 #include "toolpath/cam/cam_source.hpp"
 
 namespace millpose {

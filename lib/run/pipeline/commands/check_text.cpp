@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nlohmann/json.hpp>
 
+#include "base/shown.hpp"
 #include "base/units.hpp"
 #include "run/pipeline/commands/check.hpp"
 
@@ -15,7 +16,25 @@ std::string Size(const Eigen::Vector3d& size) {
 
 Json ToList(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-Json FacesJson(const std::vector<MeshCheck::Face>& faces, bool from_step) {
+// Name of the solid that a STEP face belongs to; of a model with several.
+std::string BodyOf(const ImportReport& report, const MeshCheck::Face& face) {
+  if (report.bodies.size() < 2 || face.number > report.body_of_source.size()) return "";
+  const int body = report.body_of_source[face.number - 1];
+  return body < 0 ? "" : report.bodies[static_cast<size_t>(body)].name;
+}
+
+Json BodiesJson(const ImportReport& report) {
+  Json list = Json::array();
+  for (const ImportedBody& body : report.bodies)
+    list.push_back({{"name", body.name},
+                    {"pieces", body.pieces},
+                    {"closed_pieces", body.closed_pieces},
+                    {"area_mm2", body.area}});
+  return list;
+}
+
+Json FacesJson(const MeshCheck& check, bool from_step) {
+  const std::vector<MeshCheck::Face>& faces = check.faces;
   Json list = Json::array();
   for (const MeshCheck::Face& face : faces) {
     Json entry{{"number", face.number}};
@@ -23,6 +42,7 @@ Json FacesJson(const std::vector<MeshCheck::Face>& faces, bool from_step) {
       entry["id"] = face.source.id;
       entry["name"] = face.source.name;
       entry["kind"] = face.source.kind;
+      entry["body"] = BodyOf(check.report, face);
     }
     entry["area_mm2"] = face.source.area;
     const bool seen = face.part.triangles > 0;
@@ -74,6 +94,7 @@ Json MeshJson(const MeshCheck& check) {
           {"area_mm2", report.area},
           {"pieces", report.pieces},
           {"closed_pieces", report.closed_pieces},
+          {"bodies", BodiesJson(report)},
           {"rims", report.rims},
           {"rim_length_mm", report.rim_length},
           {"repairs",
@@ -91,8 +112,8 @@ Json MeshJson(const MeshCheck& check) {
           {"creases", check.creases},
           {"crossings", report.crossings.pairs},
           {"crossings_complete", report.crossings.complete},
-          {"step_faces", check.from_step ? FacesJson(check.faces, true) : Json::array()},
-          {"mesh_faces", check.from_step ? Json::array() : FacesJson(check.faces, false)},
+          {"step_faces", check.from_step ? FacesJson(check, true) : Json::array()},
+          {"mesh_faces", check.from_step ? Json::array() : FacesJson(check, false)},
           {"round_holes", HolesJson(check.holes)},
           {"warnings", check.warnings},
           {"notes", check.notes}};
@@ -172,6 +193,11 @@ std::string ToText(const MeshCheck& check) {
                       report.triangles, report.vertices);
   text += fmt::format("area                {:.6g} mm²\n", report.area);
   text += fmt::format("pieces              {}, {} of them closed\n", report.pieces, report.closed_pieces);
+  for (size_t i = 0; report.bodies.size() > 1 && i < report.bodies.size(); ++i) {
+    const ImportedBody& body = report.bodies[i];
+    text += fmt::format("body {:<15}{:>14.6g} mm²  {}{}\n", i + 1, body.area, Shown(body.name),
+                        body.closed_pieces == body.pieces ? "" : ", open");
+  }
   text += fmt::format("rims                {}, {:.4g} mm\n", report.rims, report.rim_length);
   text += fmt::format(
       "normals             outside is certain on {:.1f} % of the area; facets bend by {:.2g}° in the "
@@ -179,10 +205,12 @@ std::string ToText(const MeshCheck& check) {
       100 * ClosedShare(report), RadToDeg(check.median_bend), check.creases);
   for (const MeshCheck::Face& face : check.faces) {
     const std::string where = WhereText(face.part);
+    const std::string body = BodyOf(report, face);
     if (check.from_step)
-      text += fmt::format("STEP face {:<10}{:<8} {:<10}{:>14.6g} mm²  {}{}{}\n", face.number, face.source.id,
-                          face.source.kind, face.source.area, where, face.source.name.empty() ? "" : "  ",
-                          face.source.name);
+      text +=
+          fmt::format("STEP face {:<10}{:<8} {:<10}{:>14.6g} mm²  {}{}{}{}\n", face.number, face.source.id,
+                      face.source.kind, face.source.area, where, face.source.name.empty() ? "" : "  ",
+                      face.source.name, body.empty() ? "" : "  of " + Shown(body));
     else
       text += fmt::format("face {:<15}{:>14.6g} mm²  {}\n", face.number, face.source.area, where);
   }

@@ -4,14 +4,14 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "job/assemble.hpp"
-#include "run/pipeline/programs/make_programs.hpp"
-#include "run/pipeline/outputs/write_results.hpp"
+#include "planning/pose/lean_problem.hpp"
 #include "planning/result/station.hpp"
 #include "planning/result/verdict_map.hpp"
-#include "planning/pose/lean_problem.hpp"
 #include "report/html_columns.hpp"
 #include "report/samples/axis_map.hpp"
 #include "report/samples/sample_curves.hpp"
+#include "run/pipeline/outputs/write_results.hpp"
+#include "run/pipeline/programs/make_programs.hpp"
 #include "toolpath/lean_law.hpp"
 
 namespace millpose {
@@ -55,11 +55,11 @@ std::optional<ForbiddenPose> Forbidden(const PoseProblem& problem, const PassRes
                                free = Candidates(WithoutBounds(problem), pass, point);
   std::optional<ForbiddenPose> stiffest;
   for (size_t i = 0; i < free.size(); ++i) {
-    if (free[i].obstacle != Obstacle::kNone) continue;
-    if (bounded[i].obstacle == Obstacle::kNone) continue;
+    if (free[i].obstacle != Infeasibility::kNone) continue;
+    if (bounded[i].obstacle == Infeasibility::kNone) continue;
     if (stiffest && free[i].objective >= stiffest->pose.objective) continue;
     stiffest = {{RotationOf(static_cast<int>(i / 8)), static_cast<int>(i % 8), free[i].objective}, -1, 0};
-    if (bounded[i].obstacle != Obstacle::kLimit) continue;
+    if (bounded[i].obstacle != Infeasibility::kLimit) continue;
     const BeyondLimit beyond = FarthestBeyond(problem.bounds, bounded[i].q);
     stiffest->joint = beyond.joint;
     stiffest->beyond = beyond.by;
@@ -84,11 +84,11 @@ double BeyondTouch(const PlannedPoint& point) {
 std::string WhatBars(const PoseProblem& problem, const PassResult& pass, const AxisVerdicts& verdicts,
                      const Candidate& candidate, int branch, int cell) {
   switch (candidate.obstacle) {
-    case Obstacle::kUnreachable:
+    case Infeasibility::kUnreachable:
       return "then out of reach";
-    case Obstacle::kSingular:
+    case Infeasibility::kSingular:
       return "then singular";
-    case Obstacle::kLimit:
+    case Infeasibility::kLimit:
       return fmt::format("then axis {} is beyond its limit",
                          FarthestBeyond(problem.bounds, candidate.q).joint + 1);
     default:  // admissible: the other obstacles are known of points alone
@@ -107,7 +107,7 @@ class Follower {
 
   /// mm; what ends it, empty for the end of the piece.
   std::pair<double, std::string> Follow(int direction) const {
-    const Piece& piece = pass_.pieces[static_cast<size_t>(pass_.points[start_].piece)];
+    const Segment& piece = pass_.pieces[static_cast<size_t>(pass_.points[start_].piece)];
     int cell = AxisCellOf(pass_.points[start_].free_rotation).index;
     double length = 0;
     for (int t = static_cast<int>(start_) + direction; t >= piece.first && t <= piece.last; t += direction) {
@@ -169,7 +169,7 @@ PoseReason ExplainPose(const PlanResult& plan, const Stations& stations, size_t 
   const PassOfPlan in{stations, plan, pass};
   const PlannedPoint& point = pass.points[number];
   PoseReason reason;
-  if (point.skip != Obstacle::kNone) {
+  if (point.skip != Infeasibility::kNone) {
     reason.skipped = ToString(point.skip) + ": " + point.detail;
     return reason;
   }
@@ -212,7 +212,7 @@ PointStory TellPoint(const std::filesystem::path& folder, size_t number) {
   PointStory story;
   const std::vector<Candidate> candidates = Candidates(problem, plan.passes[pass], point);
   for (size_t i = 0; i < candidates.size(); ++i)
-    if (candidates[i].obstacle == Obstacle::kNone)
+    if (candidates[i].obstacle == Infeasibility::kNone)
       story.curve.push_back(
           {RotationOf(static_cast<int>(i / 8)), static_cast<int>(i % 8), candidates[i].objective});
   story.reasons = ReasonSentences(ExplainPose(plan, stations, pass, point));

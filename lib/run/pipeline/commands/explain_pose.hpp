@@ -3,10 +3,10 @@
 
 #include <filesystem>
 
+#include "planning/external/stations.hpp"
 #include "planning/result/plan_result.hpp"
 #include "report/inspect.hpp"
 #include "report/pose_reason.hpp"
-#include "planning/external/stations.hpp"
 
 namespace millpose {
 

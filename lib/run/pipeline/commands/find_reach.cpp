@@ -30,7 +30,7 @@ PointReach ReachOf(const PoseProblem& problem, const MillingPoint& point, const 
   PointReach reach;
   for (const Candidate& candidate : candidates) {
     const int passed = TestsPassed(candidate.obstacle), best = TestsPassed(reach.best);
-    if (candidate.obstacle == Obstacle::kUnreachable || passed < best) continue;
+    if (candidate.obstacle == Infeasibility::kUnreachable || passed < best) continue;
     const auto [axis, reserve] = LeastReserve(problem.bounds, candidate.q);
     if (passed > best || reserve > reach.reserve) reach = {candidate.obstacle, axis, reserve, candidate.q};
   }
@@ -64,7 +64,7 @@ std::vector<PointReach> FindReach(const PreparedJob& prepared, double step, cons
       reach[i] = ReachOf(stations.At(external).problem, *point, reference, step);
     execution.progress.Advance(1);
   });
-  const auto within = std::ranges::count(reach, Obstacle::kNone, &PointReach::best);
+  const auto within = std::ranges::count(reach, Infeasibility::kNone, &PointReach::best);
   execution.progress.End(fmt::format("{} of {} points within reach", within, points.size()));
   return reach;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "run/pipeline/stages/plan_job.hpp"
 #include "report/check_html.hpp"
+#include "run/pipeline/stages/plan_job.hpp"
 
 namespace millpose {
 

@@ -10,6 +10,12 @@ namespace millpose {
 std::vector<JobCheck> CheckOperations(const std::filesystem::path& job, const CheckJobArguments& arguments,
                                       const FileRoot& root, Progress& progress, const std::stop_token& stop);
 
+/// Writes a job that names a CAM file for several tools or speeds as one with an operation for each
+/// (SplitIntoOperations) to `to`, which must lie beside it. Returns their names. Throws InputError, also
+/// where `to` is there already.
+std::vector<std::string> WriteSplitJob(const std::filesystem::path& job, const std::filesystem::path& to,
+                                       const FileRoot& root);
+
 /// "check_01_face_pads.html": the page of operation `number`, from 0, where `view` is "check.html".
 std::filesystem::path ViewOf(const std::filesystem::path& view, size_t number, const std::string& name);
 

@@ -7,9 +7,9 @@
 #include "base/named_progress.hpp"
 #include "job/step_meshes.hpp"
 #include "run/pipeline/operations/whole_report.hpp"
-#include "store/output_folder.hpp"
 #include "run/pipeline/outputs/run_record.hpp"
 #include "run/pipeline/outputs/up_to_date.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -105,7 +105,7 @@ PlanOutcome RunOperations(const PlanArguments& arguments, const JobOutline& outl
   if (arguments.share) {
     outcome.text = PlanEach(arguments, inputs, folder, nullptr, stages, stop).text;
   } else if (const auto standing =
-                 arguments.fresh ? std::nullopt : FindStandingPlan(out, KeyOf(inputs, out), begun)) {
+                 arguments.fresh ? std::nullopt : FindExistingPlan(out, KeyOf(inputs, out), begun)) {
     outcome = {standing->exit_status, standing->told + kUnchanged};
   } else {
     outcome = PlanWhole(arguments, outline.name, inputs, folder, begun, stages, stop);
@@ -145,12 +145,12 @@ std::vector<JobInputs> LoadOperations(const fs::path& job, const std::vector<Ove
 
 std::string KeyOf(std::vector<JobInputs> inputs, const fs::path& folder) {
   if (inputs.size() == 1 && !inputs.front().operation) {
-    TakeKeptMeshes(folder, &inputs.front());
+    TakeCachedMeshes(folder, &inputs.front());
     return inputs.front().hash;
   }
   std::string all;
   for (size_t i = 0; i < inputs.size(); ++i) {
-    TakeKeptMeshes(folder / kOperationsFolder / OperationFolder(i, inputs[i].job.operation), &inputs[i]);
+    TakeCachedMeshes(folder / kOperationsFolder / OperationFolder(i, inputs[i].job.operation), &inputs[i]);
     all += inputs[i].hash + '\0';
   }
   return Hash(all);

@@ -3,9 +3,9 @@
 
 #include <set>
 
-#include "run/pipeline/programs/program_files.hpp"
 #include "program/calling_program.hpp"
 #include "program/post_entry.hpp"
+#include "run/pipeline/programs/program_files.hpp"
 
 namespace millpose {
 namespace {
@@ -32,6 +32,13 @@ WholeProgram MakeWholeProgram(const std::string& job, const std::string& control
       return whole;
     }
   const CallingSyntax syntax = MakePost(controller)->Calling();
+  if (syntax.call.empty()) {
+    whole.withheld = fmt::format(
+        "no {0} main program is written: a {0} program calls no other; run those of the operations one after "
+        "the other",
+        controller);
+    return whole;
+  }
   const std::vector<CalledProgram> called = CalledBy(syntax, controller, operations);
   whole.files = WriteCalling(
       syntax, job,

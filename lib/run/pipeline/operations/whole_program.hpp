@@ -4,8 +4,8 @@
 
 #include <functional>
 
-#include "run/pipeline/operations/done_operation.hpp"
 #include "program/verify/verify.hpp"
+#include "run/pipeline/operations/done_operation.hpp"
 
 namespace millpose {
 

@@ -146,6 +146,18 @@ std::string SkippedText(const ToldOperation& done) {
   return text;
 }
 
+/// The widest gap for which the operations' programs are confirmed; null where they are confirmed as a whole.
+Json ButForOf(const std::vector<ToldOperation>& operations, const std::string& controller) {
+  Json widest = nullptr;
+  for (const ToldOperation& done : operations)
+    for (const Json& program : done.json.at("programs")) {
+      if (program.at("controller") != controller || program.at("but_for").is_null()) continue;
+      if (widest.is_null() || program.at("but_for").at("bound_mm") > widest.at("bound_mm"))
+        widest = program.at("but_for");
+    }
+  return widest;
+}
+
 std::string MainOf(const WholeProgram& program, const std::string& job) {
   const CallingSyntax syntax = MakePost(program.controller)->Calling();
   return fmt::format("programs/{}/{}{}", program.controller, ProgramName(syntax, job), syntax.ending);
@@ -181,10 +193,12 @@ std::string WholeSummary(const std::string& job, const std::vector<DoneOperation
   json["cycle_times"] = Json::array();
   for (const WholeProgram& program : programs) {
     const bool written = program.withheld.empty() && program.findings.empty();
-    json["programs"].push_back({{"path", MainOf(program, job)},
-                                {"controller", program.controller},
-                                {"verified", written},
-                                {"withheld", written ? Json(nullptr) : Json(program.withheld)}});
+    json["programs"].push_back(
+        {{"path", MainOf(program, job)},
+         {"controller", program.controller},
+         {"verified", written},
+         {"withheld", written ? Json(nullptr) : Json(program.withheld)},
+         {"but_for", written ? ButForOf(operations, program.controller) : Json(nullptr)}});
     if (written)
       json["cycle_times"].push_back(
           {{"controller", program.controller}, {"total_s", CycleOf(operations, program.controller)}});
@@ -277,11 +291,16 @@ std::string WholeText(const std::vector<DoneOperation>& all, const std::vector<W
       text += fmt::format("skipped    {}:{}\n", done.name, skipped);
   }
   const std::string job = operations.front().job;
-  for (const WholeProgram& program : programs)
-    if (program.withheld.empty() && program.findings.empty())
-      text += fmt::format("program    programs/{}: calls {} programs, read back and confirmed; {}\n",
-                          program.controller, operations.size(),
-                          ClockText(CycleOf(operations, program.controller)));
+  for (const WholeProgram& program : programs) {
+    if (!program.withheld.empty() || !program.findings.empty()) continue;
+    const Json bound = ButForOf(operations, program.controller);
+    text += fmt::format("program    programs/{}: calls {} programs, read back and confirmed{}; {}\n",
+                        program.controller, operations.size(),
+                        bound.is_null() ? ""
+                                        : fmt::format(" but for the corner's path, bounded by {:.4f} mm",
+                                                      bound.at("bound_mm").get<double>()),
+                        ClockText(CycleOf(operations, program.controller)));
+  }
   for (const std::string& finding : Findings(operations, programs)) text += "finding    " + finding + "\n";
   return text;
 }

@@ -2,11 +2,11 @@
 #include "run/pipeline/outputs/report_parts.hpp"
 
 #include "job/assemble.hpp"
-#include "store/kept_stage.hpp"
-#include "store/plan_key.hpp"
 #include "report/samples/axis_map.hpp"
 #include "report/samples/nearest_pairs.hpp"
 #include "report/samples/sample_curves.hpp"
+#include "store/cached_stage.hpp"
+#include "store/plan_key.hpp"
 
 namespace millpose {
 namespace {
@@ -29,12 +29,12 @@ ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, bool
   const std::string plan_key = KeyOf(plan, execution.Threads());
   const std::string cell = HashOfValues(prepared.cell);
   const Stations stations = prepared.stations.AtOwnAxis();
-  Choices choices = Kept<Choices>(
+  Choices choices = Cached<Choices>(
       checkpoints, "choices", StageKey(plan_key, prepared.problem, genetic, full_map ? cell : ""), [&] {
         const std::vector<PointCurves> curves = SampleCurves(plan, stations, genetic, kMostCurves, execution);
         return Choices{Packed(curves), MakeAxisMap(plan, stations, curves, full_map, execution)};
       });
-  auto nearest = KeptInWorld<NearestPairs>(
+  auto nearest = CachedInWorld<NearestPairs>(
       checkpoints, "nearest-pairs", plan_key, prepared.stations,
       [&](const Stations& watched) { return FindNearestPairs(plan, watched, execution); });
   return {std::move(choices.curves), std::move(choices.map), std::move(nearest)};

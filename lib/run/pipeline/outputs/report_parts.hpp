@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "store/checkpoints.hpp"
-#include "run/pipeline/stages/plan_job.hpp"
 #include "report/html.hpp"
+#include "run/pipeline/stages/plan_job.hpp"
+#include "store/checkpoints.hpp"
 
 namespace millpose {
 

@@ -2,19 +2,20 @@
 #include "run/pipeline/outputs/run.hpp"
 
 #include "base/error.hpp"
-#include "job/config/config.hpp"
 #include "job/assemble.hpp"
+#include "job/config/config.hpp"
 #include "job/step_meshes.hpp"
-#include "store/output_folder.hpp"
-#include "run/pipeline/audit/audit.hpp"
-#include "run/pipeline/programs/plan_timeline.hpp"
-#include "run/pipeline/outputs/report_parts.hpp"
-#include "run/pipeline/outputs/run_record.hpp"
-#include "run/pipeline/stages/stages.hpp"
-#include "run/pipeline/outputs/up_to_date.hpp"
-#include "run/pipeline/outputs/write_results.hpp"
 #include "report/samples/judge_optima.hpp"
 #include "report/samples/sample_curves.hpp"
+#include "run/pipeline/audit/audit.hpp"
+#include "run/pipeline/outputs/predict_face.hpp"
+#include "run/pipeline/outputs/report_parts.hpp"
+#include "run/pipeline/outputs/run_record.hpp"
+#include "run/pipeline/outputs/up_to_date.hpp"
+#include "run/pipeline/outputs/write_results.hpp"
+#include "run/pipeline/programs/plan_timeline.hpp"
+#include "run/pipeline/stages/stages.hpp"
+#include "store/folder_checkpoints.hpp"
 
 namespace millpose {
 namespace {
@@ -26,6 +27,7 @@ JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
   inputs.max_points = arguments.max_points;
   inputs.trajectory = arguments.trajectory;
   CheckPrograms(inputs);
+  if (arguments.face) RequireFace(inputs);
   stages.End(fmt::format("job {}, cell {}", inputs.job.name, inputs.cell.name));
   return inputs;
 }
@@ -52,27 +54,19 @@ AuditFigures JudgePlan(const JobInputs& inputs, const Execution& execution, Plan
   return audit;
 }
 
-// Checkpoints in an output folder; `read`: earlier ones count.
-class FolderCheckpoints final : public CheckpointStore {
- public:
-  FolderCheckpoints(const OutputFolder& folder, bool read) : folder_(folder), read_(read) {}
-  std::optional<std::string> Read(const std::string& key) const override {
-    return read_ ? folder_.ReadCheckpoint(key) : std::nullopt;
-  }
-  void Write(const std::string& key, std::string_view bytes) const override {
-    folder_.WriteCheckpoint(key, bytes);
-  }
-  std::optional<std::string> ReadStage(const std::string& stage, const std::string& key) const override {
-    return read_ ? folder_.ReadStage(stage, key) : std::nullopt;
-  }
-  void WriteStage(const std::string& stage, const std::string& key, std::string_view bytes) const override {
-    folder_.WriteStage(stage, key, bytes);
-  }
-
- private:
-  const OutputFolder& folder_;
-  bool read_;
-};
+// The face that the plan will leave, beside the best fixed rotation's.
+FaceReport PredictedFace(const JobInputs& inputs, const PlannedJob& job, const Execution& execution) {
+  execution.progress.Begin("face", 0);
+  FaceOptions options;
+  if (!job.fixed.job.points.empty())
+    options.rotation = job.fixed.job.rotations.front();
+  else
+    options.fixed_in_the_way = job.fixed.job_in_the_way;
+  FaceReport face = PredictFace(inputs, job.plan, job.prepared.surface.mesh,
+                                job.prepared.stations.AtOwnAxis(), options, execution);
+  execution.progress.End(fmt::format("{} places", face.plan.expected.figures.rays));
+  return face;
+}
 
 // An operation's folder is a part of the set of its job's, which nobody else puts in its place.
 void RefuseOperation(const std::filesystem::path& out) {
@@ -103,6 +97,8 @@ Planned WritePlanned(const PlanArguments& arguments, const JobInputs& inputs, co
   std::vector<std::string> findings = job.prepared.made.findings;
   std::optional<AuditFigures> audit;
   if (arguments.audit) audit = JudgePlan(inputs, execution, job, findings);
+  std::optional<FaceReport> face;
+  if (arguments.face) face = PredictedFace(inputs, job, execution);
 
   stages.Begin("report", 0);
   const ReportParts parts = MakeReportParts(inputs, job, arguments.full_axis_map, checkpoints, execution);
@@ -110,8 +106,8 @@ Planned WritePlanned(const PlanArguments& arguments, const JobInputs& inputs, co
   ResultSet& results = to.results();
   const ReportInputs report =
       WriteResults({inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
-                    job.prepared.warnings, findings, CurveGrid(), parts, timeline, job.fixed,
-                    job.prepared.heaviest, job.compensation_remains, execution},
+                    job.prepared.warnings, findings, CurveGrid(), parts, timeline, job.fixed, job.faces,
+                    job.prepared.heaviest, job.compensation_remains, std::move(face), execution},
                    results);
   stages.End(to.folder.path().string());
   RunFigures run = EndRun(begun, stages, execution.Threads());
@@ -131,8 +127,8 @@ Planned PlanInto(const Destination& to, const PlanArguments& arguments, JobInput
   if (arguments.fresh && !arguments.share) to.folder.RemoveCheckpoints();
   const FolderCheckpoints checkpoints(to.folder, !arguments.fresh);
   if (!arguments.fresh) {
-    TakeKeptMeshes(to.folder, &inputs);
-    const auto standing = FindStandingPlan(to.folder.path(), inputs.hash, begun);
+    TakeCachedMeshes(to.folder, &inputs);
+    const auto standing = FindExistingPlan(to.folder.path(), inputs.hash, begun);
     if (standing && !arguments.share) return {{standing->exit_status, standing->told + kUnchanged}, false};
   }
   stages.Begin(SurfaceStage(inputs), 0);  // which PrepareJob goes on with

@@ -9,8 +9,8 @@
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
 #include "job/config/config.hpp"
-#include "store/output_folder.hpp"
 #include "run/pipeline/stages/plan_job.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 
@@ -22,6 +22,7 @@ struct PlanArguments {
   std::optional<uint64_t> seed;              ///< instead of the job's
   std::vector<Override> overrides;           ///< of other settings of the job
   bool audit = false;                        ///< recompute the figures of summary.json's `audit`
+  bool face = false;                         ///< also the face that the plan will leave
   bool full_axis_map = false;                ///< check for interference all that report.html maps
   double max_points = 2e6;                   ///< that the tool path may have
   bool fresh = false;                        ///< ignore checkpoints

@@ -13,6 +13,7 @@ namespace {
 std::string AskedFor(const PlanArguments& arguments) {
   std::string asked = "max-points " + ShortestNumber(arguments.max_points);
   if (arguments.audit) asked += " audit";
+  if (arguments.face) asked += " face";
   if (arguments.full_axis_map) asked += " axis-map full";
   if (arguments.trajectory) asked += " trajectory " + ShortestNumber(*arguments.trajectory);
   return asked;

@@ -2,10 +2,10 @@
 // What run.json says of a run of `plan`, and where its folder is.
 #pragma once
 
-#include "store/output_folder.hpp"
+#include "report/report.hpp"
 #include "run/pipeline/outputs/run.hpp"
 #include "run/pipeline/stages/stages.hpp"
-#include "report/report.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 

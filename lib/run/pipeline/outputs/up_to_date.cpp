@@ -28,7 +28,7 @@ bool HoldsPlanOf(const std::filesystem::path& folder, const std::string& key) {
   }
 }
 
-std::optional<StandingPlan> FindStandingPlan(const std::filesystem::path& folder, const std::string& key,
+std::optional<ExistingPlan> FindExistingPlan(const std::filesystem::path& folder, const std::string& key,
                                              const RunFigures& run) {
   if (!HoldsPlanOf(folder, key)) return std::nullopt;
   try {
@@ -36,7 +36,7 @@ std::optional<StandingPlan> FindStandingPlan(const std::filesystem::path& folder
     if (last.at("asked") != run.asked || last.at("job").at("file") != run.job.file ||
         last.at("job_folder").at("absolute") != run.job_folder.absolute)
       return std::nullopt;
-    return StandingPlan{last.at("exit_status").get<int>(), last.at("told").get<std::string>()};
+    return ExistingPlan{last.at("exit_status").get<int>(), last.at("told").get<std::string>()};
   } catch (const nlohmann::json::exception&) {  // run.json says less
     return std::nullopt;
   }

@@ -11,7 +11,7 @@
 namespace millpose {
 
 /// How a run in an output folder ended: what it told and its exit status.
-struct StandingPlan {
+struct ExistingPlan {
   int exit_status = 0;
   std::string told;
 };
@@ -25,7 +25,7 @@ bool HoldsPlanOf(const std::filesystem::path& folder, const std::string& key);
 
 /// What the last run in `folder` told, where that holds (HoldsPlanOf) and it was asked for the same
 /// (RunFigures::asked, job and job_folder of `run`). Empty where anything differs or cannot be read.
-std::optional<StandingPlan> FindStandingPlan(const std::filesystem::path& folder, const std::string& key,
+std::optional<ExistingPlan> FindExistingPlan(const std::filesystem::path& folder, const std::string& key,
                                              const RunFigures& run);
 
 }  // namespace millpose

@@ -6,6 +6,7 @@
 
 #include "job/assemble.hpp"
 #include "job/config/config.hpp"
+#include "job/registration_error.hpp"
 #include "planning/result/write_plan.hpp"
 #include "program/verify/causes.hpp"
 #include "run/pipeline/programs/program_warnings.hpp"
@@ -110,6 +111,12 @@ std::string ExplainLifts(const PassResult& pass) {
       pass.pass, fmt::join(places, ", "), 100 * pass.lift_gain);
 }
 
+// What a confirmed program leaves open.
+std::optional<ReportedBound> ButForOf(const CheckedProgram& program) {
+  if (!program.but_for || !program.Confirmed()) return std::nullopt;
+  return ReportedBound{program.but_for->position, program.but_for->angle, program.but_for->assumption};
+}
+
 // The causes of a program that is withheld, each with what cures it and the first places.
 void ExplainCauses(const CheckedProgram& program, std::vector<std::string>& sentences) {
   for (const CauseGroup& group : GroupByCause(program.findings)) {
@@ -142,11 +149,6 @@ std::vector<std::string> Explain(const PlanResult& plan, const std::vector<Check
 
 }  // namespace
 
-int FinishedFrom(const JobSettings& job, size_t passes) {
-  const size_t layers = LayerOffsets(job.toolpath.layers).size();
-  return static_cast<int>(passes - passes / layers);
-}
-
 std::optional<ToolUncertainty> UncertaintyOf(const ToolSettings& tool) {
   if (!tool.tip_uncertainty && !tool.axis_uncertainty) return std::nullopt;
   return ToolUncertainty{tool.tip_uncertainty.value_or(0), tool.axis_uncertainty.value_or(0),
@@ -171,6 +173,9 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   for (const CheckedProgram& program : programs) {
     report.times.push_back({program.controller, program.time});
     if (program.speed) report.path_speeds.push_back(*program.speed);
+    if (program.but_for && program.Confirmed())
+      report.warnings.push_back(program.controller +
+                                ": confirmed but for a stated gap: " + Describe(*program.but_for));
     for (const std::string& warning : program.warnings)
       report.warnings.push_back(program.controller + ": " + warning);
   }
@@ -179,17 +184,33 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
     report.findings.push_back(ExplainFeed(*report.continuity, plan.external_axes));
   if (results.heaviest)
     report.deflection = PredictDeflections(plan, *results.heaviest, MakeCompliances(results.inputs.cell),
-                                           FinishedFrom(results.inputs.job, plan.passes.size()));
+                                           FinishedFrom(results.inputs.job, plan.passes.size()),
+                                           {0.01 * results.inputs.job.force_uncertainty_percent,
+                                            DegToRad(results.inputs.job.force_direction_deg)});
   report.compensation = FiguresOfCompensation(plan);
   if (report.compensation) report.compensation->remains = results.compensation_remains;
   for (const CheckedProgram& program : programs)
     if (report.compensation && program.under_load)
       report.compensation->programs.push_back({program.controller, program.under_load->largest});
+  report.registration =
+      ErrorOfRegistration(results.inputs.job, plan, FinishedFrom(results.inputs.job, plan.passes.size()));
+  if (report.registration)
+    if (const std::string finding = RegistrationFinding(*report.registration); !finding.empty())
+      report.findings.push_back(finding);
+  if (const std::string warning = RegistrationWarning(results.inputs.job); !warning.empty())
+    report.warnings.push_back(warning);
+  report.lost_motion =
+      ReportLostMotion(plan, MakeGearModel(results.inputs.cell), results.inputs.cell.arm.lost_motion_source,
+                       FinishedFrom(results.inputs.job, plan.passes.size()));
+  report.budget = MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion,
+                             report.registration ? &*report.registration : nullptr);
   report.fixed = results.fixed;
+  report.faces = results.faces;
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {
     report.steps = FindPoseSteps(plan, *tool, FinishedFrom(results.inputs.job, plan.passes.size()));
     if (const std::string steps = Describe(*report.steps); !steps.empty()) report.warnings.push_back(steps);
   }
+  report.face = results.face;
   std::map<std::string, std::string> files;
   for (const CheckedProgram& program : programs)
     for (const auto& [name, bytes] : program.files) {
@@ -197,7 +218,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
       if (program.Confirmed()) files[path] = bytes;
       report.programs.push_back({"programs/" + path, program.controller,
                                  MotionsPerPass(program, plan.passes.size()), program.saved, program.near,
-                                 program.Confirmed(), program.WhyWithheld()});
+                                 program.Confirmed(), program.WhyWithheld(), ButForOf(program)});
     }
   for (const CheckedProgram& program : programs) {
     if (program.files.empty()) continue;
@@ -213,15 +234,19 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   set.Add(kPlanFile, [&](const ByteSink& sink) { WritePlan(plan, threads, sink); });
   if (!results.starts.ways.gaps.empty()) set.Add(kStartWays, Serialise(results.starts.ways));
   const CutterShape cutter = MakeCutterShape(results.inputs.cell.tool);
-  set.Add("points.csv", [&](const ByteSink& sink) { WritePointsCsv(plan, cutter, threads, sink); });
+  set.Add("points.csv",
+          [&](const ByteSink& sink) { WritePointsCsv(plan, cutter, &*report.lost_motion, threads, sink); });
   set.Add("path.vtp", [&](const ByteSink& sink) { WritePathVtp(plan, threads, sink); });
   if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
   if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
+  if (report.face) set.Add("face.csv", FaceCsv(report.face->rays, report.face->plan.expected.heights));
   set.Add("summary.json", SummaryJson(plan, report));
-  set.Add("report.html", ReportHtml({plan, results.cell, results.grid, results.parts.curves,
-                                     job + "\n" + cell, report.deflection ? &*report.deflection : nullptr,
-                                     report.findings, report.warnings, report.times, &*report.fixed,
-                                     &results.parts.map, &results.timeline, &results.parts.nearest}));
+  set.Add(
+      "report.html",
+      ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
+                  report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
+                  report.times, &*report.fixed, &results.parts.map, &results.timeline, &results.parts.nearest,
+                  &*report.lost_motion, &*report.budget, report.face ? &*report.face : nullptr}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "job/assemble.hpp"
 #include "job/inputs.hpp"
-#include "store/output_folder.hpp"
-#include "run/pipeline/programs/make_programs.hpp"
-#include "run/pipeline/outputs/report_parts.hpp"
-#include "run/pipeline/programs/start_programs.hpp"
 #include "report/html.hpp"
 #include "report/report.hpp"
+#include "run/pipeline/outputs/report_parts.hpp"
+#include "run/pipeline/programs/make_programs.hpp"
+#include "run/pipeline/programs/start_programs.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 
@@ -26,8 +27,10 @@ struct Results {
   const ReportParts& parts;                  ///< for report.html, as is the next
   const Timeline& timeline;
   const FixedComparison& fixed;
+  const std::vector<FaceChoice>& faces;
   const std::optional<CuttingForce>& heaviest;  ///< where the job says what is cut
   std::optional<double> compensation_remains;
+  std::optional<FaceReport> face;  ///< where it was asked for
   const Execution& execution;
 };
 
@@ -35,9 +38,6 @@ struct Results {
 /// programs of every controller whose read-back confirmed them. Returns what the reports tell beyond the
 /// plan.
 ReportInputs WriteResults(const Results& results, ResultSet& set);
-
-/// The first pass of the last layer: every layer has the same passes, one layer after the other.
-int FinishedFrom(const JobSettings& job, size_t passes);
 
 /// How well the cell says that the tool is known; empty where it does not.
 std::optional<ToolUncertainty> UncertaintyOf(const ToolSettings& tool);

@@ -5,8 +5,8 @@
 
 #include "base/units.hpp"
 #include "job/assemble.hpp"
-#include "run/pipeline/programs/program_motions.hpp"
 #include "program/controller_axes.hpp"
+#include "run/pipeline/programs/program_motions.hpp"
 
 namespace millpose {
 namespace {

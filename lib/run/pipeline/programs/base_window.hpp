@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "base/execution.hpp"
-#include "machine/collision/cell.hpp"
 #include "job/inputs.hpp"
+#include "machine/collision/cell.hpp"
 #include "planning/result/plan_result.hpp"
 #include "report/report.hpp"
 

@@ -5,12 +5,12 @@
 
 #include "base/error.hpp"
 #include "job/cell_texts.hpp"
-#include "run/pipeline/programs/check_program.hpp"
-#include "run/pipeline/programs/program_motions.hpp"
-#include "run/pipeline/programs/program_warnings.hpp"
 #include "planning/result/skipped.hpp"
 #include "program/external_axes.hpp"
 #include "program/verify/causes.hpp"
+#include "run/pipeline/programs/check_program.hpp"
+#include "run/pipeline/programs/program_motions.hpp"
+#include "run/pipeline/programs/program_warnings.hpp"
 
 namespace millpose {
 
@@ -24,12 +24,43 @@ void NameInputs(const std::string& hash, MotionProgram& program) {
     if (key == "inputs") value = hash;
 }
 
+namespace {
+
+/// The places of the characters of `word` from `at` on, where it stands there: in one piece, or broken where
+/// a remark ends (LS: " ;\n  12:  !:"); empty where it does not.
+std::vector<size_t> PlacesOf(const std::string& word, const std::string& text, size_t at) {
+  constexpr size_t kLongestBreak = 16;
+  std::vector<size_t> places;
+  for (const char c : word) {
+    if (text[at] != c && text.compare(at, 3, " ;\n") == 0) {
+      const size_t next = text.find("!:", at);
+      if (next == std::string::npos || next - at > kLongestBreak) return {};
+      at = next + 2;
+    }
+    if (at >= text.size() || text[at] != c) return {};
+    places.push_back(at++);
+  }
+  return places;
+}
+
+}  // namespace
+
 void NameInputs(const std::string& earlier, const std::string& hash, ProgramFiles& files) {
   assert(earlier.size() == hash.size());
-  const std::string line = "inputs: " + earlier;
+  const std::string key = "inputs:", begin = earlier.substr(0, 8);
   for (auto& [name, text] : files)
-    for (size_t at = text.find(line); at != std::string::npos; at = text.find(line, at + line.size()))
-      text.replace(at + line.size() - earlier.size(), earlier.size(), hash);
+    for (size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + key.size())) {
+      const size_t first = text.find(begin, at);
+      if (first == std::string::npos || first - at > 32) continue;
+      const std::vector<size_t> places = PlacesOf(earlier, text, first);
+      for (size_t i = 0; i < places.size(); ++i) text[places[i]] = hash[i];
+    }
+}
+
+std::optional<CornerBound> StateCornerBound(const Cell& cell, MotionProgram& program) {
+  std::optional<CornerBound> bound = FindCornerBound(program, cell);
+  if (bound) program.header.emplace_back("verdict", "confirmed but for a stated gap: " + Describe(*bound));
+  return bound;
 }
 
 std::string CheckedProgram::WhyWithheld() const {
@@ -62,9 +93,9 @@ CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string
   const Post& post = with.post;
   CheckedProgram program;
   program.controller = controller;
-  std::vector<CallWay> calls;
+  std::vector<CallTransition> calls;
   try {
-    calls = PlanCallWays(with.world, inputs, controller, with.execution.stop);
+    calls = PlanCallTransitions(with.world, inputs, controller, with.execution.stop);
   } catch (const InputError& error) {
     program.findings.push_back({"", 0, error.problems().front().message, Cause::kText});
     return program;
@@ -75,6 +106,7 @@ CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string
   for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
   if (const std::string left_out = WhatIsLeftOut(plan); !left_out.empty())
     motions.written.header.emplace_back("INCOMPLETE", left_out);
+  StateCornerBound(with.world.cell(), motions.written);
   program.saved = motions.saved;
   program.near = motions.near;
   program.warnings = motions.warnings;
@@ -94,6 +126,7 @@ CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string
     ProgramCheck check = CheckProgram(back, motions, plan, with);
     program.findings = std::move(check.findings);
     program.under_load = check.under_load;
+    program.but_for = check.but_for;
   } catch (const InputError& error) {  // our own program must be readable: a finding, not the user's mistake
     for (const Problem& problem : error.problems())
       program.findings.push_back({problem.place.file, problem.place.line, problem.message, Cause::kText});

@@ -3,11 +3,12 @@
 
 #include <map>
 
-#include "run/pipeline/programs/programming.hpp"
 #include "planning/result/cycle_time.hpp"
 #include "planning/result/plan_result.hpp"
-#include "report/report.hpp"
+#include "program/verify/corner_bound.hpp"
 #include "program/verify/under_load.hpp"
+#include "report/report.hpp"
+#include "run/pipeline/programs/programming.hpp"
 
 namespace millpose {
 
@@ -24,6 +25,7 @@ struct CheckedProgram {
   ProgramTime time;
   std::optional<UnderLoad> under_load;  ///< of a compensated plan's
   std::string trajectory;               ///< as CSV, where asked for
+  std::optional<CornerBound> but_for;   ///< for which alone it is confirmed
 
   bool Confirmed() const { return findings.empty(); }
   /// Why it is not written, in one sentence; empty when it is confirmed.
@@ -45,6 +47,9 @@ void NameInputs(const std::string& hash, MotionProgram& program);
 /// Names in the heads of written programs `hash` where they name `earlier`, which is as long. A line of the
 /// head that no reader makes anything of: what was verified stays so.
 void NameInputs(const std::string& earlier, const std::string& hash, ProgramFiles& files);
+
+/// Says in the head of a program what the maker does not document and how far that reaches; returns it.
+std::optional<CornerBound> StateCornerBound(const Cell& cell, MotionProgram& program);
 
 /// Writes the program, reads it back and replays it.
 /// `not_machined`: holes of the tool path that are left out, named in the head, as the window is

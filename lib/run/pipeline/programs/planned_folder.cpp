@@ -28,7 +28,7 @@ JobInputs InputsOf(const fs::path& folder, const VerifyArguments& arguments) {
   std::optional<fs::path> origin;
   if (arguments.job) origin = fs::absolute(*arguments.job).parent_path();
   JobInputs inputs = LoadJobInputs(folder / "job.yaml", {}, origin, arguments.root);
-  TakeKeptMeshes(folder, &inputs);
+  TakeCachedMeshes(folder, &inputs);
   return inputs;
 }
 
@@ -74,7 +74,7 @@ std::vector<std::string> PlannedFolder::Controllers() const {
 
 Programming PlannedFolder::With(const std::string& controller) const {
   if (!inputs_.cell.controllers.contains(controller))
-    throw InputError(Place{folder_.string(), 0, 0, -1},
+    throw InputError(SourceLocation{folder_.string(), 0, 0, -1},
                      fmt::format("the plan's cell has no controller {}; it has: {}", controller,
                                  fmt::join(std::views::keys(inputs_.cell.controllers), ", ")));
   Programming with(inputs_, controller, *world_, execution_);
@@ -82,10 +82,10 @@ Programming PlannedFolder::With(const std::string& controller) const {
   return with;
 }
 
-const std::vector<CallWay>& PlannedFolder::Calls(const std::string& controller) const {
+const std::vector<CallTransition>& PlannedFolder::Calls(const std::string& controller) const {
   const auto known = calls_.find(controller);
   if (known != calls_.end()) return known->second;
-  return calls_.emplace(controller, PlanCallWays(*world_, inputs_, controller, execution_.stop))
+  return calls_.emplace(controller, PlanCallTransitions(*world_, inputs_, controller, execution_.stop))
       .first->second;
 }
 
@@ -131,7 +131,9 @@ VerifiedProgram PlannedFolder::HoldTo(const PlannedProgram& planned, const Progr
   VerifiedProgram verified{with.controller, where, program.motions.size(), {}, CellWarnings(inputs_.cell)};
   for (const DeclaredCall& call : program.calls) verified.assumptions.push_back(AssumptionOf(call));
   std::ranges::copy(with.post.Assumptions(with.settings), std::back_inserter(verified.assumptions));
-  verified.findings = CheckProgram(program, planned.motions, planned.plan, with).findings;
+  ProgramCheck check = CheckProgram(program, planned.motions, planned.plan, with);
+  verified.findings = std::move(check.findings);
+  verified.but_for = check.but_for;
   verified.changed = Changed(with.controller, files);
   std::set<std::string> read(program.files.begin(), program.files.end());
   read.insert(written.files.begin(), written.files.end());

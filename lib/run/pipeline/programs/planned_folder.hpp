@@ -43,7 +43,7 @@ class PlannedFolder {
   /// `complete`: with all files that were written.
   VerifiedProgram HoldTo(const PlannedProgram& planned, const ProgramFiles& files, const std::string& where,
                          bool complete, Programming with) const;
-  const std::vector<CallWay>& Calls(const std::string& controller) const;
+  const std::vector<CallTransition>& Calls(const std::string& controller) const;
   PlannedProgram Made(PlanResult plan, const std::string& controller) const;
   /// The plan of a single piece's program, by the name of its main file; empty where none is called so.
   std::optional<PlanResult> StartOf(const std::string& name) const;
@@ -58,7 +58,8 @@ class PlannedFolder {
   std::optional<PlanResult> ways_;  // of the programs of single pieces, where there are some
   JobInputs inputs_;
   std::unique_ptr<World> world_;
-  mutable std::map<std::string, std::vector<CallWay>> calls_;  // by controller, once they are asked for
+  mutable std::map<std::string, std::vector<CallTransition>>
+      calls_;  // by controller, once they are asked for
 };
 
 }  // namespace millpose

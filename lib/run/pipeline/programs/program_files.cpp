@@ -62,7 +62,7 @@ std::string ControllerOf(const fs::path& program, const CellSettings& cell) {
   std::vector<std::string> endings = MainEndings();
   const std::string last = endings.back();
   endings.pop_back();
-  throw InputError(Place{program.string(), 0, 0, -1},
+  throw InputError(SourceLocation{program.string(), 0, 0, -1},
                    fmt::format("a folder of millpose plan, or a program ending in {} or {} expected",
                                fmt::join(endings, ", "), last));
 }

@@ -2,14 +2,14 @@
 #include "run/pipeline/programs/program_motions.hpp"
 
 #include "base/units.hpp"
-#include "planning/compensation/compensate.hpp"
 #include "job/assemble.hpp"
 #include "job/cell_texts.hpp"
-#include "run/pipeline/programs/base_window.hpp"
+#include "planning/compensation/compensate.hpp"
 #include "program/bound_turns.hpp"
 #include "program/controller_axes.hpp"
 #include "program/pose_text.hpp"
 #include "program/stated_speeds.hpp"
+#include "run/pipeline/programs/base_window.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {
@@ -63,8 +63,9 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
 }
 
 /// Stops in long pieces, where another file goes on; the plan's motions stop there too.
-void HandOver(const PostSettings& settings, ProgramMotions& motions, const std::vector<size_t>& origin) {
-  const size_t fitting = settings.max_bytes() / (kBytesPerMotion + 16 * settings.controller_axes.size());
+void HandOver(const PostSettings& settings, size_t bytes_per_motion, ProgramMotions& motions,
+              const std::vector<size_t>& origin) {
+  const size_t fitting = settings.max_bytes() / (bytes_per_motion + 16 * settings.controller_axes.size());
   const int most = std::min(settings.max_motions, std::max(1, static_cast<int>(fitting)));
   for (const size_t place : AddHandovers(motions.written, most)) {
     motions.planned.motions[origin[place - 1]].exact = true;
@@ -109,7 +110,7 @@ EconomyOptions MakeEconomyOptions(const ProgramOptionSettings& options) {
 
 ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& inputs,
                                   const std::string& controller, const std::optional<BaseWindow>& window,
-                                  const std::vector<CallWay>& calls) {
+                                  const std::vector<CallTransition>& calls) {
   const JobSettings& job = inputs.job;
   ProgramMotions motions;
   const double lift = job.program_options.dry_run_offset;
@@ -138,8 +139,8 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
   for (const std::string& assumption : post.Assumptions(settings))
     motions.warnings.push_back("assumed: " + assumption);
   if (!post.ReadsFromDisk()) {
-    StateEntries(settings, motions);
-    HandOver(settings, motions, thinned.origin);
+    if (!post.EntersByJoints()) StateEntries(settings, motions);
+    HandOver(settings, post.BytesPerMotion(), motions, thinned.origin);
   }
   post.Round(motions.written, plan.arm, settings);
   StateSpeeds(motions.written);

@@ -21,10 +21,10 @@ struct ProgramMotions {
 };
 
 /// Makes them with the job's options and the cell's settings for `controller`; `window` is printed in the
-/// header; `calls` are those of PlanCallWays(). Precondition: WhyNotProgrammable() is empty. Throws
+/// header; `calls` are those of PlanCallTransitions(). Precondition: WhyNotProgrammable() is empty. Throws
 /// InputError when a dry run's lifted points are out of reach.
 ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& inputs,
                                   const std::string& controller, const std::optional<BaseWindow>& window,
-                                  const std::vector<CallWay>& calls = {});
+                                  const std::vector<CallTransition>& calls = {});
 
 }  // namespace millpose

@@ -3,10 +3,10 @@
 
 #include "base/parallel.hpp"
 #include "job/narrow_inputs.hpp"
-#include "store/kept_stage.hpp"
-#include "store/plan_key.hpp"
 #include "run/pipeline/programs/base_window.hpp"
 #include "run/pipeline/stages/plan_job.hpp"
+#include "store/cached_stage.hpp"
+#include "store/plan_key.hpp"
 
 namespace millpose {
 namespace {
@@ -45,7 +45,7 @@ class ProgramStage {
   std::optional<BaseWindow> Window() const {
     const JobInputs own = InputsOfProgram(inputs_, inputs_.job.programs.front());
     const std::string key = StageKey(handed_, job_.prepared.cell, own.hash);
-    return Kept<std::optional<BaseWindow>>(checkpoints_, "base-window", key, [&] {
+    return Cached<std::optional<BaseWindow>>(checkpoints_, "base-window", key, [&] {
       return FindBaseWindow(job_.plan, own, job_.prepared.cell, execution_);
     });
   }
@@ -53,7 +53,7 @@ class ProgramStage {
   /// The head names all that a program is made from, also what stands in the cell and makes no difference.
   ControllerPrograms Of(const std::string& controller) const {
     const JobInputs own = InputsOfProgram(inputs_, controller), handed = WithoutPlaces(own);
-    ControllerPrograms programs = KeptInWorld<ControllerPrograms>(
+    ControllerPrograms programs = CachedInWorld<ControllerPrograms>(
         checkpoints_, "programs-" + controller, KeyOfPrograms(handed), job_.prepared.stations,
         [&](const Stations& stations) { return MakeIn(stations.world(), handed, controller); });
     NameInputs(handed.hash, own.hash, programs.whole.files);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "run/pipeline/programs/program_motions.hpp"
 #include "program/post.hpp"
 #include "report/report.hpp"
+#include "run/pipeline/programs/program_motions.hpp"
 
 namespace millpose {
 

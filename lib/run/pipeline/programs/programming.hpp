@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "machine/collision/world.hpp"
 #include "job/inputs.hpp"
+#include "machine/collision/world.hpp"
 #include "program/post.hpp"
 #include "program/verify/verify.hpp"
 

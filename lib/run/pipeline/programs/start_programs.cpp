@@ -4,13 +4,13 @@
 #include <cassert>
 
 #include "base/error.hpp"
-#include "planning/compensation/compensate.hpp"
 #include "job/cell_texts.hpp"
+#include "planning/compensation/compensate.hpp"
+#include "planning/result/station.hpp"
+#include "program/program_name.hpp"
 #include "run/pipeline/programs/check_program.hpp"
 #include "run/pipeline/programs/make_programs.hpp"
 #include "run/pipeline/programs/program_motions.hpp"
-#include "planning/result/station.hpp"
-#include "program/program_name.hpp"
 
 namespace millpose {
 namespace {
@@ -24,16 +24,16 @@ std::optional<ExternalMove> HomeFrom(const PlanResult& plan, const ExternalPosit
 }
 
 /// Where the piece that `in` leads to leaves the external axes.
-const ExternalPosition& LeftAt(const PlanResult& plan, const Gap& in) {
+const ExternalPosition& LeftAt(const PlanResult& plan, const LinkMove& in) {
   const PassResult& pass = plan.passes[static_cast<size_t>(in.to_pass)];
-  const auto piece = std::ranges::find(pass.pieces, in.to_piece, &Piece::piece);
+  const auto piece = std::ranges::find(pass.pieces, in.to_piece, &Segment::piece);
   assert(piece != pass.pieces.end());
   return ExternalAt(pass, static_cast<size_t>(piece->closed ? piece->first : piece->last));
 }
 
 /// Home from a piece that is reached by `in`: where the way on goes by home, there; else on to the next one's
 /// entry, and back along that one's way from home.
-Gap WayHome(Gap out, const Gap& next, const Gap& in, const PlanResult& plan) {
+LinkMove WayHome(LinkMove out, const LinkMove& next, const LinkMove& in, const PlanResult& plan) {
   if (out.planned && out.external) {
     out.joints.resize(static_cast<size_t>(out.external->at) + 1);
   } else {
@@ -68,16 +68,17 @@ std::vector<Finding> ReadBack(const ProgramFiles& files, const ProgramMotions& m
 
 }  // namespace
 
-std::vector<std::pair<GapEnd, GapEnd>> StartEnds(const std::vector<std::pair<GapEnd, GapEnd>>& gaps) {
-  std::vector<std::pair<GapEnd, GapEnd>> starts;
+std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> StartEnds(
+    const std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>>& gaps) {
+  std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> starts;
   for (size_t i = 1; i + 1 < gaps.size(); ++i) starts.emplace_back(gaps.front().first, gaps[i].second);
   return starts;
 }
 
 PlanResult SingleStart(const PlanResult& plan, const PlanResult& ways, size_t index) {
   assert(index + 1 < plan.gaps.size() && ways.gaps.size() + 2 == plan.gaps.size());
-  const Gap& in = index == 0 ? plan.gaps[0] : ways.gaps[index - 1];
-  const Gap& out = plan.gaps[index + 1];
+  const LinkMove& in = index == 0 ? plan.gaps[0] : ways.gaps[index - 1];
+  const LinkMove& out = plan.gaps[index + 1];
   PlanResult single;
   single.job = StartName(plan.job, in.to_pass, in.to_piece);
   single.cell = plan.cell;
@@ -101,8 +102,8 @@ std::vector<StartProgram> MakeStartPrograms(const PlanResult& plan, const PlanRe
                                             const Programming& with) {
   std::vector<StartProgram> starts;
   if (ways.gaps.empty()) return starts;
-  const std::vector<CallWay> calls =
-      PlanCallWays(with.world, with.inputs, with.controller, with.execution.stop);
+  const std::vector<CallTransition> calls =
+      PlanCallTransitions(with.world, with.inputs, with.controller, with.execution.stop);
   for (size_t i = 0; i + 1 < plan.gaps.size(); ++i) {
     const PlanResult single = SingleStart(plan, ways, i);
     StartProgram& start = starts.emplace_back();
@@ -115,6 +116,7 @@ std::vector<StartProgram> MakeStartPrograms(const PlanResult& plan, const PlanRe
     NameInputs(with.inputs.hash, motions.written);
     motions.written.header.emplace_back("cycle_time", TimeText(motions.time.all) + " h:min:s, as replayed");
     for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
+    StateCornerBound(with.world.cell(), motions.written);
     start.files = with.post.Write(motions.written, single.arm, with.settings);
     start.findings = ReadBack(start.files, motions, single, with);
   }

@@ -31,8 +31,9 @@ struct JobStarts {
 inline constexpr const char* kStarts = "starts";
 inline constexpr const char* kStartWays = "starts.cbor";
 
-/// The ways by which every piece but the first is reached from home; `gaps` as GapEnds() returns them.
-std::vector<std::pair<GapEnd, GapEnd>> StartEnds(const std::vector<std::pair<GapEnd, GapEnd>>& gaps);
+/// The ways by which every piece but the first is reached from home; `gaps` as LinkMoveEnds() returns them.
+std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> StartEnds(
+    const std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>>& gaps);
 
 /// The plan of a program that cuts one piece alone, `index` in the order of execution, under the program's
 /// name: from home by its own way, and home again by the way to the next piece and back along that one's own.

@@ -6,12 +6,12 @@
 #include "base/error.hpp"
 #include "job/assemble.hpp"
 #include "job/cell_texts.hpp"
-#include "run/pipeline/programs/program_files.hpp"
-#include "run/pipeline/programs/programming.hpp"
 #include "program/calling_program.hpp"
 #include "program/pose_text.hpp"
 #include "program/scanner.hpp"
 #include "program/verify/standing_alone.hpp"
+#include "run/pipeline/programs/program_files.hpp"
+#include "run/pipeline/programs/programming.hpp"
 
 namespace millpose {
 namespace {
@@ -33,7 +33,7 @@ std::vector<std::string> AssumeFrames(MotionProgram& program, const Pose& X_KB) 
     assumptions.push_back("the controller's base is as the header's base_pose says: " + value);
   }
   if (!program.X_BP)
-    throw InputError(Place{program.files.front(), 1, 0, -1},
+    throw InputError(SourceLocation{program.files.front(), 1, 0, -1},
                      "the base is a frame that the controller holds; a line 'base_pose: " +
                          PoseText(Pose::Identity()) + "' with its values expected in the header");
   return assumptions;
@@ -57,6 +57,7 @@ VerifiedProgram VerifyOne(const fs::path& file, const JobInputs& inputs, const s
   verified.findings = CheckStandingAlone(program, world.cell(), post.HasOwnWorld(), with.options);
   std::ranges::copy(Verify(program, world, nullptr, with.options, with.execution),
                     std::back_inserter(verified.findings));
+  verified.but_for = FindCornerBound(program, world.cell());
   return verified;
 }
 
@@ -64,8 +65,10 @@ VerifiedProgram VerifyOne(const fs::path& file, const JobInputs& inputs, const s
 std::string ToolIn(const std::string& text, const CellSettings& cell) {
   std::set<std::string> named;
   for (const std::string_view line : SplitLines(text)) {
-    LineScanner scan(line, "", 0);
-    if (!scan.Accept(";") || !scan.Accept("tool:")) continue;
+    // A comment, whatever begins one.
+    const size_t sign = line.find_first_of(";!#");
+    LineScanner scan(sign == std::string_view::npos ? line : line.substr(sign + 1), "", 0);
+    if (sign == std::string_view::npos || !scan.Accept("tool:")) continue;
     while (!scan.AtEnd()) {
       const auto word = scan.AcceptName();
       if (!word) scan.Skip();
@@ -80,7 +83,7 @@ std::string ToolIn(const std::string& text, const CellSettings& cell) {
 fs::path CalledFile(const fs::path& main, const CallingSyntax& syntax, const std::string& name) {
   const fs::path file = main.parent_path() / (name + syntax.called_ending);
   if (!fs::exists(file))
-    throw InputError(Place{main.string(), 0, 0, -1},
+    throw InputError(SourceLocation{main.string(), 0, 0, -1},
                      fmt::format("calls {}; {} is not beside it", name, file.filename().string()));
   return file;
 }
@@ -89,7 +92,7 @@ fs::path CalledFile(const fs::path& main, const CallingSyntax& syntax, const std
 
 std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, const Execution& execution) {
   if (!arguments.cell) {
-    throw InputError(Place{arguments.target.string(), 0, 0, -1},
+    throw InputError(SourceLocation{arguments.target.string(), 0, 0, -1},
                      "a program needs its cell, or the plan that it was written from: --cell CELL.yaml or "
                      "--plan DIR expected");
   }

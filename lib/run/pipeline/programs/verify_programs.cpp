@@ -4,10 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
-#include "store/manifest.hpp"
+#include "base/units.hpp"
+#include "program/verify/causes.hpp"
 #include "run/pipeline/programs/planned_folder.hpp"
 #include "run/pipeline/programs/verify_alone.hpp"
-#include "program/verify/causes.hpp"
+#include "store/manifest.hpp"
 
 namespace millpose {
 namespace {
@@ -20,7 +21,7 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, cons
   std::vector<VerifiedProgram> programs =
       PlannedFolder(arguments.target, manifest, arguments, execution).HoldAll();
   if (programs.empty())
-    throw InputError(Place{arguments.target.string(), 0, 0, -1}, "the folder holds no programs");
+    throw InputError(SourceLocation{arguments.target.string(), 0, 0, -1}, "the folder holds no programs");
   return programs;
 }
 
@@ -46,7 +47,18 @@ namespace {
 
 const char* WordsOfVerdict(const VerifiedProgram& program) {
   if (!program.findings.empty()) return "NOT confirmed";
+  if (program.but_for)
+    return program.changed.empty() ? "confirmed but for a stated gap"
+                                   : "changed since, still as planned but for a stated gap";
   return program.changed.empty() ? "confirmed" : "changed since, still as planned";
+}
+
+nlohmann::ordered_json ButForJson(const std::optional<CornerBound>& bound) {
+  if (!bound) return nullptr;
+  return {{"what", "corner"},
+          {"bound_mm", bound->position},
+          {"bound_deg", bound->angle * kDegPerRad},
+          {"assumption", bound->assumption}};
 }
 
 }  // namespace
@@ -58,6 +70,7 @@ std::string VerifyText(const std::vector<VerifiedProgram>& programs) {
                         WordsOfVerdict(program), program.file);
     if (!program.changed.empty())
       text += fmt::format("  changed since they were written: {}\n", fmt::join(program.changed, ", "));
+    if (program.but_for) text += "  not known: " + Describe(*program.but_for) + "\n";
     if (!program.scope.empty()) text += "  compared: " + program.scope + "\n";
     for (const std::string& assumption : program.assumptions) text += "  assumed: " + assumption + "\n";
     for (const CauseGroup& group : GroupByCause(program.findings)) {
@@ -84,6 +97,7 @@ std::string VerifyJson(const std::vector<VerifiedProgram>& programs) {
                                 {"confirmed", program.findings.empty()},
                                 {"changed", program.changed},
                                 {"scope", program.scope.empty() ? "the plan" : program.scope},
+                                {"but_for", ButForJson(program.but_for)},
                                 {"findings", findings},
                                 {"assumptions", program.assumptions}});
   }

@@ -10,8 +10,9 @@
 
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
-#include "run/pipeline/programs/program_files.hpp"
+#include "program/verify/corner_bound.hpp"
 #include "program/verify/verify.hpp"
+#include "run/pipeline/programs/program_files.hpp"
 
 namespace millpose {
 
@@ -36,7 +37,8 @@ struct VerifiedProgram {
   std::vector<std::string> assumptions;
   /// Files of it that are not as they were written, by name; what counts in them is compared all the same.
   std::vector<std::string> changed = {};
-  std::string scope = {};  ///< what was compared, where that is not all of the plan
+  std::string scope = {};                   ///< what was compared, where that is not all of the plan
+  std::optional<CornerBound> but_for = {};  ///< for which alone it is confirmed
 };
 
 /// Reads the programs and replays them; a folder as one who knows that it stands still (VerifyJob). Throws

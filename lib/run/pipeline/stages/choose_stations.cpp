@@ -6,15 +6,15 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "machine/collision/station_way.hpp"
-#include "planning/links/retract.hpp"
 #include "job/assemble.hpp"
 #include "job/external_positions.hpp"
 #include "job/workpiece.hpp"
+#include "machine/collision/station_path.hpp"
+#include "planning/external/station_sequence.hpp"
+#include "planning/links/retract.hpp"
+#include "planning/result/station.hpp"
 #include "run/pipeline/stages/moving_stations.hpp"
 #include "run/pipeline/stages/station_sample.hpp"
-#include "planning/result/station.hpp"
-#include "planning/external/station_sequence.hpp"
 
 namespace millpose {
 namespace {
@@ -39,7 +39,7 @@ std::vector<ExternalPosition> Combined(const std::vector<AxisPositions>& axes) {
 /// What stands in the way of a station itself, whatever is milled there.
 std::string BlockedBy(const Stations& stations, const ExternalPosition& external) {
   const Joints& home = stations.world().cell().home;
-  if (const auto found = StationWay(stations.world(), home, 1).At(external)) return NearText(*found);
+  if (const auto found = StationPath(stations.world(), home, 1).At(external)) return NearText(*found);
   if (const auto found = Checker(stations.At(external).world).At(home, Phase::kFree))
     return "at home " + NearText(*found);
   return "";
@@ -61,7 +61,7 @@ std::vector<std::vector<StationScore>> ScoresOf(const JobInputs& inputs, const S
                                                 const Toolpath& toolpath, const Execution& execution) {
   Toolpath samples;
   for (const Pass& pass : toolpath.passes) samples.passes.push_back(SampleOf(pass));
-  const RetractOptions leave = MakeGapOptions(inputs.job).leave;
+  const RetractOptions leave = MakeLinkMoveOptions(inputs.job).leave;
   std::vector<std::vector<StationScore>> scores(positions.size());
   ParallelFor(positions.size(), execution.Threads(), execution.stop, [&](size_t s) {
     const std::vector<ExternalCourse> here(samples.passes.size(), StandingAt(positions[s]));

@@ -3,11 +3,11 @@
 
 #include "job/assemble.hpp"
 #include "job/job_engagement.hpp"
-#include "store/kept_stage.hpp"
 #include "planning/pass/large_steps.hpp"
 #include "planning/pass/nominal_plan.hpp"
-#include "run/pipeline/stages/plan_passes.hpp"
 #include "planning/result/pass_value.hpp"
+#include "run/pipeline/stages/plan_passes.hpp"
+#include "store/cached_stage.hpp"
 #include "toolpath/pass_variants.hpp"
 #include "toolpath/strategy.hpp"
 
@@ -22,7 +22,7 @@ constexpr double kNoPrice = 0.03;  // of its free optima: what continuity may co
 double PriceOf(const PassResult& pass) {
   double planned = 0, free = 0;
   for (const PlannedPoint& point : pass.points) {
-    if (point.skip != Obstacle::kNone) continue;
+    if (point.skip != Infeasibility::kNone) continue;
     planned += point.objective;
     free += point.free_optimum;
   }
@@ -32,7 +32,7 @@ double PriceOf(const PassResult& pass) {
 /// Whether points are skipped because no step joins them to others.
 bool HasUnjoined(const PassResult& pass) {
   return std::ranges::any_of(pass.points,
-                             [](const PlannedPoint& point) { return point.skip == Obstacle::kStep; });
+                             [](const PlannedPoint& point) { return point.skip == Infeasibility::kStep; });
 }
 
 /// Of rings only those that lose points are worth what a closed search costs.
@@ -100,9 +100,9 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
     execution.progress.Begin("finer passes", points);
     const Toolpath finer = AtStations(
         inputs,
-        Kept<Toolpath>(checkpoints, fmt::format("finer-{}", parts),
-                       StageKey(prepared.laying.key, prepared.made.toolpath, prepared.turned, parts, open),
-                       [&] { return LayInParts(prepared, parts, open, execution); }),
+        Cached<Toolpath>(checkpoints, fmt::format("finer-{}", parts),
+                         StageKey(prepared.laying.key, prepared.made.toolpath, prepared.turned, parts, open),
+                         [&] { return LayInParts(prepared, parts, open, execution); }),
         prepared.stations, prepared.external);
     for (size_t i = 0; i < passes.size(); ++i)
       if (open[i] != 0) tried.passes[i] = WithPointsBetween(tried.passes[i], finer.passes[i], large[i]);

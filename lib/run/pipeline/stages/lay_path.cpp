@@ -3,7 +3,7 @@
 
 #include "job/job_engagement.hpp"
 #include "job/narrow_inputs.hpp"
-#include "store/kept_stage.hpp"
+#include "store/cached_stage.hpp"
 
 namespace millpose {
 namespace {
@@ -41,7 +41,7 @@ LaidPathOfJob LayPath(const LayingInputs& laying, const CheckpointStore& checkpo
                       const Execution& execution) {
   execution.progress.Begin("toolpath", 0);
   bool made = false;
-  LaidPathOfJob laid = Kept<LaidPathOfJob>(checkpoints, "toolpath", laying.key, [&] {
+  LaidPathOfJob laid = Cached<LaidPathOfJob>(checkpoints, "toolpath", laying.key, [&] {
     made = true;
     return Lay(laying, execution);
   });

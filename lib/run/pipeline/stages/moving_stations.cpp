@@ -6,10 +6,10 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "machine/collision/station_way.hpp"
 #include "job/assemble.hpp"
-#include "run/pipeline/stages/station_sample.hpp"
+#include "machine/collision/station_path.hpp"
 #include "planning/external/external_course.hpp"
+#include "run/pipeline/stages/station_sample.hpp"
 #include "toolpath/make_toolpath.hpp"
 
 namespace millpose {
@@ -26,7 +26,7 @@ class MovingPassScorer {
       : moving_(moving),
         cell_(moving.stations.world().cell()),
         mechanism_(cell_.external_axes),
-        leave_(MakeGapOptions(inputs.job).leave),
+        leave_(MakeLinkMoveOptions(inputs.job).leave),
         bounds_{MakePathOptions(inputs.job).steps.speed_share},
         whole_(EndingWhereItBegan(pass)),
         sample_(SampleOf(whole_)),
@@ -55,7 +55,7 @@ class MovingPassScorer {
     take([](const CourseScore& c) {
       return std::tuple(c.score.lost, c.score.sum, c.score.worst, c.from, c.to);
     });
-    const StationWay way(moving_.stations.world(), cell_.home, 1);
+    const StationPath way(moving_.stations.world(), cell_.home, 1);
     std::erase_if(chosen, [&](const CourseScore& c) {
       return way.StandingBetween(moving_.positions[c.from], moving_.positions[c.to]).has_value();
     });
@@ -125,7 +125,7 @@ class MovingPassScorer {
   const Cell& cell_;
   Mechanism mechanism_;
   RetractOptions leave_;
-  RideBounds bounds_;
+  CoordinatedBounds bounds_;
   Pass whole_, sample_;  ///< in P
   Eigen::Vector3d reference_;
   std::vector<double> shares_;  ///< of the way, of each point of the sample

@@ -2,9 +2,9 @@
 #include "run/pipeline/stages/other_stations.hpp"
 
 #include "job/assemble.hpp"
-#include "run/pipeline/stages/plan_passes.hpp"
 #include "planning/result/pass_value.hpp"
 #include "planning/result/skipped.hpp"
+#include "run/pipeline/stages/plan_passes.hpp"
 
 namespace millpose {
 namespace {
@@ -16,7 +16,7 @@ constexpr double kGainElsewhere = 0.005;
 /// Points that another station could serve: a gouge is one everywhere.
 bool LosesPoints(const PassResult& pass) {
   return std::ranges::any_of(pass.points, [](const PlannedPoint& point) {
-    return point.skip != Obstacle::kNone && point.skip != Obstacle::kGouge;
+    return point.skip != Infeasibility::kNone && point.skip != Infeasibility::kGouge;
   });
 }
 
@@ -25,7 +25,7 @@ bool LosesPoints(const PassResult& pass) {
 bool PaysForJoining(const PassResult& pass) {
   const PlannedPoint* worst = nullptr;
   for (const PlannedPoint& point : pass.points)
-    if (point.skip == Obstacle::kNone && (!worst || point.objective > worst->objective)) worst = &point;
+    if (point.skip == Infeasibility::kNone && (!worst || point.objective > worst->objective)) worst = &point;
   return worst && worst->own_optimum > 0 && worst->objective > kJoined * worst->own_optimum;
 }
 

@@ -3,7 +3,7 @@
 
 #include "job/assemble.hpp"
 #include "planning/pass/nominal_plan.hpp"
-#include "run/pipeline/stages/promised_ways.hpp"
+#include "run/pipeline/stages/promising_reversals.hpp"
 #include "toolpath/make_toolpath.hpp"
 #include "toolpath/strategy.hpp"
 
@@ -52,7 +52,7 @@ class BestWays {
   /// Turns what promises to be better so.
   void Turn(const std::vector<char>& wanted) {
     execution_.progress.Begin("directions", 0);
-    ways_ = FindPromisedWays(prepared_, wanted, options_.worst_first, checkpoints_, execution_);
+    ways_ = FindPromisingReversals(prepared_, wanted, options_.worst_first, checkpoints_, execution_);
     prepared_.turned = ways_.promising;
     for (size_t i = 0; i < wanted.size(); ++i) {
       if (prepared_.turned[i] == 0) continue;
@@ -101,7 +101,7 @@ class BestWays {
   const PathOptions options_;
   const CheckpointStore& checkpoints_;
   const Execution& execution_;
-  PromisedWays ways_;
+  PromisingReversals ways_;
 };
 
 }  // namespace

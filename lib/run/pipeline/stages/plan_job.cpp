@@ -2,26 +2,27 @@
 #include "run/pipeline/stages/plan_job.hpp"
 
 #include "base/error.hpp"
-#include "planning/links/job_planner.hpp"
-#include "planning/pass/pass_checks.hpp"
 #include "job/assemble.hpp"
 #include "job/compensate_job.hpp"
 #include "job/job_engagement.hpp"
 #include "job/lean_freedoms.hpp"
 #include "job/locate.hpp"
 #include "job/plausible.hpp"
-#include "store/kept_stage.hpp"
-#include "store/plan_key.hpp"
+#include "planning/links/job_planner.hpp"
 #include "planning/pass/nominal_plan.hpp"
+#include "planning/pass/pass_checks.hpp"
 #include "planning/pass/revolutions.hpp"
+#include "planning/result/skipped.hpp"
+#include "run/pipeline/programs/program_stage.hpp"
 #include "run/pipeline/stages/finer_passes.hpp"
 #include "run/pipeline/stages/other_stations.hpp"
 #include "run/pipeline/stages/other_ways.hpp"
-#include "run/pipeline/stages/plan_gaps.hpp"
+#include "run/pipeline/stages/plan_faces.hpp"
+#include "run/pipeline/stages/plan_link_moves.hpp"
 #include "run/pipeline/stages/plan_passes.hpp"
-#include "run/pipeline/programs/program_stage.hpp"
 #include "run/pipeline/stages/repair_ends.hpp"
-#include "planning/result/skipped.hpp"
+#include "store/cached_stage.hpp"
+#include "store/plan_key.hpp"
 
 namespace millpose {
 namespace {
@@ -63,7 +64,7 @@ size_t LeaveIncomplete(const Toolpath& toolpath, std::vector<PassResult>& passes
     if (!toolpath.passes[static_cast<size_t>(pass.pass)].whole || CountSkipped(pass) == 0) continue;
     for (; !pass.pieces.empty(); ++left_out)
       LeaveOut(
-          pass, static_cast<int>(pass.pieces.size()) - 1, Obstacle::kIncomplete,
+          pass, static_cast<int>(pass.pieces.size()) - 1, Infeasibility::kIncomplete,
           "other points of its hole or contour are skipped, and these are milled completely or not at all");
   }
   return left_out;
@@ -73,43 +74,50 @@ size_t LeaveIncomplete(const Toolpath& toolpath, std::vector<PassResult>& passes
 FixedComparison KeptComparison(const JobInputs& inputs, const PreparedJob& prepared,
                                const std::vector<PassResult>& passes, const CheckpointStore& checkpoints,
                                const Execution& execution) {
-  const FixedRotationOptions options = MakeFixedOptions(inputs.job, execution.Threads(), execution.stop);
-  const auto& [rotation_step, steps, swept_resolution, worst_first, threads, stop, leave] = options;
+  const FixedRotationOptions options =
+      MakeFixedOptions(inputs.job, inputs.cell, passes.size(), execution.Threads(), execution.stop);
+  const auto& [rotation_step, steps, swept_resolution, worst_first, gears, finished_from, threads, stop,
+               leave] = options;
   const std::string key = StageKey(prepared.problem, rotation_step, steps, swept_resolution, worst_first,
-                                   leave, KeyOf(passes, threads));
-  return KeptInWorld<FixedComparison>(
+                                   gears, finished_from, leave, KeyOf(passes, threads));
+  return CachedInWorld<FixedComparison>(
       checkpoints, "fixed", key, prepared.stations.AtOwnAxis(), [&](const Stations& stations) {
         return CompareWithFixed(stations, AtNominalLean(prepared.problem, passes), options);
       });
 }
 
+// Of how many pieces not all full revolutions were compared.
+size_t FixRevolutions(const JobInputs& inputs, const PoseProblem& problem, PlanResult& plan) {
+  return ChooseRevolutions(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
+                                         FreeDirections(inputs.job) && !inputs.job.toolpath.Leans() &&
+                                             !DependsOnFeed(inputs.job, *problem.objective)});
+}
+
 // Passes come in their directions and turns, then the ways between them.
 void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution,
               PlannedJob& job) {
-  const PoseProblem& problem = job.prepared.problem;
   PlanResult& plan = job.plan;
-  RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeGapOptions(inputs.job).leave, checkpoints,
+  RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeLinkMoveOptions(inputs.job).leave, checkpoints,
              execution, plan.passes);
-  const size_t narrowed =
-      ChooseRevolutions(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
-                                      FreeDirections(inputs.job) && !inputs.job.toolpath.Leans() &&
-                                          !DependsOnFeed(inputs.job, *problem.objective)});
+  job.faces = PlanFaces(inputs, job.prepared, checkpoints, execution, plan.passes);
+  const size_t narrowed = FixRevolutions(inputs, job.prepared.problem, plan);
   if (narrowed > 0)
     job.prepared.warnings.push_back(fmt::format(
         "the limits of the axes admit many full revolutions of {} pieces: only those nearest home "
         "are compared (arm.limits_deg, limits.joints_deg)",
         narrowed));
-  const GapOptions options = MakeGapOptions(inputs.job);
+  const LinkMoveOptions options = MakeLinkMoveOptions(inputs.job);
   const auto leave_over_missing = [&] {
     return LeaveIncomplete(job.prepared.toolpath, plan.passes) +
            LeaveOverMissing(inputs, job.prepared.surface.mesh, execution, plan);
   };
   leave_over_missing();
-  execution.progress.Begin("gaps", GapEnds(HomeOf(plan), plan.passes).size());
-  PlannedGaps gaps = PlanAllGaps(job.prepared.stations, plan.passes, options, checkpoints, execution);
+  execution.progress.Begin("gaps", LinkMoveEnds(HomeOf(plan), plan.passes).size());
+  PlannedLinkMoves gaps =
+      PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution);
   job.resumed_gaps = gaps.resumed;
   while (leave_over_missing() > 0)  // over pieces that no way leads to
-    gaps = PlanAllGaps(job.prepared.stations, plan.passes, options, checkpoints, execution);
+    gaps = PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution);
   plan.gaps = std::move(gaps.gaps);
   execution.progress.End(
       fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), job.resumed_gaps));
@@ -127,9 +135,10 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   std::ranges::copy(notes.findings, std::back_inserter(job.prepared.made.findings));
   job.compensation_remains = notes.remains;
   if (inputs.job.programs.empty()) return;
-  const auto start_ends = StartEnds(GapEnds(HomeOf(plan), plan.passes));
+  const auto start_ends = StartEnds(LinkMoveEnds(HomeOf(plan), plan.passes));
   execution.progress.Begin("starts", start_ends.size());
-  job.starts.ways.gaps = PlanGaps(job.prepared.stations, start_ends, options, checkpoints, execution).gaps;
+  job.starts.ways.gaps =
+      PlanLinkMoves(job.prepared.stations, start_ends, options, checkpoints, execution).gaps;
   execution.progress.End(fmt::format("{} ways", start_ends.size()));
 }
 
@@ -210,7 +219,7 @@ PreparedJob PrepareJob(const JobInputs& inputs, const CheckpointStore& checkpoin
 
 PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
   CheckPrograms(inputs);
-  PlannedJob job{PrepareJob(inputs, checkpoints, execution), {}, {}, {}, {}, {}, {}};
+  PlannedJob job{PrepareJob(inputs, checkpoints, execution), {}, {}, {}, {}, {}, {}, {}};
   job.plan = StartPlan(inputs, job.prepared);
   PlannedPasses planned = PlanPassesOf(inputs, job.prepared, Share{}, checkpoints, execution);
   job.plan.passes = std::move(planned.passes);
@@ -218,6 +227,66 @@ PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, 
   PlanWays(inputs, checkpoints, execution, job);
   MakeJobPrograms(inputs, checkpoints, execution, job);
   return job;
+}
+
+namespace {
+
+/// What of a plan would be a finding; empty: nothing.
+std::string ProblemOf(const JobInputs& inputs, const PreparedJob& prepared, const PlanResult& plan) {
+  if (!prepared.made.findings.empty()) return prepared.made.findings.front();
+  for (const PassResult& pass : plan.passes) {
+    for (const PlannedPoint& point : pass.points)
+      if (point.skip != Infeasibility::kNone)
+        return fmt::format("pass {}: {}", pass.pass,
+                           point.detail.empty() ? "a point is skipped" : point.detail);
+    if (!pass.uncut.empty()) return fmt::format("pass {}: a step is not cut", pass.pass);
+  }
+  for (const LinkMove& gap : plan.gaps)
+    if (!gap.planned) return fmt::format("the way to pass {}: {}", gap.to_pass, gap.detail);
+  PlanResult slower = plan;
+  for (const SlowStretch& slow : ReduceFeeds(slower).slow)
+    if (slow.Share() < inputs.job.min_feed_share)
+      return fmt::format("pass {}: the feed falls to {:.0f} %", slow.pass, 100 * slow.Share());
+  return "";
+}
+
+}  // namespace
+
+TriedJob TryJob(const JobInputs& given, size_t most_points, const CheckpointStore& checkpoints,
+                const Execution& execution) {
+  constexpr double kCoarseStep = DegToRad(2), kCoarseSweep = 2;  // rad; mm
+  JobInputs inputs = given;
+  inputs.job.path.rotation_step = std::max(inputs.job.path.rotation_step, kCoarseStep);
+  inputs.job.swept_resolution = std::max(inputs.job.swept_resolution, kCoarseSweep);
+  PreparedJob prepared = PrepareJob(inputs, checkpoints, execution);
+  TriedJob tried;
+  tried.of_passes = prepared.toolpath.passes.size();
+  tried.of_points = CountPoints(prepared.toolpath);
+  const size_t most = std::max<size_t>(most_points, 1);
+  const Share sample{
+      0, std::clamp<size_t>((tried.of_points + most - 1) / most, 1, std::max<size_t>(tried.of_passes, 1))};
+  std::vector<PassResult> passes = PlanPassesOf(inputs, prepared, sample, checkpoints, execution).passes;
+  const LinkMoveOptions options = MakeLinkMoveOptions(inputs.job);
+  // Other poses at the ends are looked for only where those found lead nowhere: else they gain clearance
+  // alone.
+  for (const bool repair : {false, true}) {
+    if (repair)
+      RepairEnds(prepared, MakePathOptions(inputs.job), options.leave, checkpoints, execution, passes);
+    PlanResult plan = StartPlan(inputs, prepared);
+    plan.passes = passes;
+    std::erase_if(plan.passes,
+                  [](const PassResult& pass) { return pass.points.empty(); });  // not in the sample
+    FixRevolutions(inputs, prepared.problem, plan);
+    execution.progress.Begin("gaps", LinkMoveEnds(HomeOf(plan), plan.passes).size());
+    plan.gaps = PlanAllLinkMoves(prepared.stations, plan.passes, options, checkpoints, execution).gaps;
+    execution.progress.End(fmt::format("{} gaps", plan.gaps.size()));
+    tried.passes = plan.passes.size();
+    tried.points = 0;
+    for (const PassResult& pass : plan.passes) tried.points += pass.points.size();
+    tried.problem = ProblemOf(inputs, prepared, plan);
+    if (tried.problem.empty() || !prepared.made.findings.empty()) break;
+  }
+  return tried;
 }
 
 void PlanShare(const JobInputs& inputs, const Share& share, const CheckpointStore& checkpoints,

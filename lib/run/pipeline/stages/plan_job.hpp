@@ -3,18 +3,19 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "machine/collision/world.hpp"
 #include "job/inputs.hpp"
 #include "job/workpiece.hpp"
-#include "store/checkpoints.hpp"
+#include "machine/collision/world.hpp"
+#include "planning/external/stations.hpp"
+#include "planning/pass/face_planner.hpp"
 #include "planning/pass/fixed_rotation.hpp"
-#include "run/pipeline/stages/choose_stations.hpp"
-#include "run/pipeline/stages/lay_path.hpp"
+#include "planning/pose/scorer.hpp"
+#include "planning/result/plan_result.hpp"
 #include "run/pipeline/programs/make_programs.hpp"
 #include "run/pipeline/programs/start_programs.hpp"
-#include "planning/result/plan_result.hpp"
-#include "planning/pose/scorer.hpp"
-#include "planning/external/stations.hpp"
+#include "run/pipeline/stages/choose_stations.hpp"
+#include "run/pipeline/stages/lay_path.hpp"
+#include "store/checkpoints.hpp"
 #include "toolpath/engagement/process_force.hpp"
 
 namespace millpose {
@@ -45,7 +46,8 @@ PreparedJob PrepareJob(const JobInputs& inputs, const CheckpointStore& checkpoin
 struct PlannedJob {
   PreparedJob prepared;
   PlanResult plan;
-  FixedComparison fixed;  ///< with the best fixed rotations
+  FixedComparison fixed;          ///< with the best fixed rotations
+  std::vector<FaceChoice> faces;  ///< by pass, where whole ways are judged by the face; else empty
   FeedReduction reduction;
   std::optional<double> compensation_remains;  ///< median share of the deflection, where some is taken out
   JobPrograms programs;
@@ -66,6 +68,20 @@ struct Share {
 /// Plans the passes of a share alone and leaves them in `checkpoints`.
 void PlanShare(const JobInputs& inputs, const Share& share, const CheckpointStore& checkpoints,
                const Execution& execution);
+
+/// How a job fares on a sample of its passes.
+struct TriedJob {
+  size_t passes = 0, of_passes = 0;  ///< tried; of the job
+  size_t points = 0, of_points = 0;  ///< likewise
+  std::string problem;               ///< the first of what would be a finding of its plan; empty: none
+};
+
+/// Plans every n-th pass of a job and the ways between these, with `most_points` points at most where passes
+/// are that short (one at least), rotations in steps of 2° and motions checked to 2 mm where the job asks for
+/// finer ones; no other passes, fixed rotations, programs or reports. What it leaves out may still have
+/// findings. Throws InputError for bad input; Interrupted.
+TriedJob TryJob(const JobInputs& inputs, size_t most_points, const CheckpointStore& checkpoints,
+                const Execution& execution);
 
 /// That no way leads from or to a home that interferes.
 std::string HomeWarning(const std::string& cell_file, const Interference& found);

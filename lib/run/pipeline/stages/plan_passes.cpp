@@ -5,20 +5,21 @@
 #include <map>
 
 #include "base/parallel.hpp"
-#include "planning/links/station_gap.hpp"
-#include "store/checkpoint_key.hpp"
-#include "store/kept_pass.hpp"
+#include "planning/links/station_link_move.hpp"
 #include "planning/pass/nominal_plan.hpp"
+#include "store/cached_pass.hpp"
+#include "store/checkpoint_key.hpp"
 
 namespace millpose {
 namespace {
 
 // Plans a gap; where the cell has no external axes `keeper` is told what was asked.
-Gap PlanWatched(const Stations& stations, const std::pair<GapEnd, GapEnd>& ends, const GapOptions& options,
-                const std::shared_ptr<LookKeeper>& keeper, const std::stop_token& stop) {
+LinkMove PlanWatched(const Stations& stations, const std::pair<LinkMoveEnd, LinkMoveEnd>& ends,
+                     const LinkMoveOptions& options, const std::shared_ptr<QueryLog>& keeper,
+                     const std::stop_token& stop) {
   if (!stations.world().cell().external_axes.empty())
-    return PlanStationGap(stations, ends.first, ends.second, options, stop);
-  return PlanGap(stations.world().Watched(keeper), ends.first, ends.second, options, stop);
+    return PlanStationLinkMove(stations, ends.first, ends.second, options, stop);
+  return PlanLinkMove(stations.world().Recording(keeper), ends.first, ends.second, options, stop);
 }
 
 // What all passes at one station share.
@@ -42,7 +43,7 @@ PlannedPasses PlanPasses(const Stations& stations, const PassesToPlan& request, 
     at[external[i].from] = {PassContext(station.problem, station.world, options),
                             ObstaclesOf(station.world.cell())};
   }
-  const std::string riding = RidingContext(stations.problem(), stations.world(), options);
+  const std::string riding = CoordinatedContext(stations.problem(), stations.world(), options);
   std::vector<size_t> first_points(count, 0);
   for (size_t i = 1; i < count; ++i)
     first_points[i] = first_points[i - 1] + toolpath.passes[i - 1].points.size();
@@ -59,7 +60,7 @@ PlannedPasses PlanPasses(const Stations& stations, const PassesToPlan& request, 
     const Pass& pass = toolpath.passes[i];
     const PassToPlan wanted{pass, static_cast<int>(i), first_points[i]};
     const bool moves = external[i].Moves();
-    const AtStation none{RidingKey(riding, external[i]), {}};
+    const AtStation none{CoordinatedKey(riding, external[i]), {}};
     const AtStation& shared = moves ? none : at.at(external[i].from);
     const std::string key = PassKey(shared.context, pass, i, first_points[i]);
     const auto fits = [&](const PassResult& plan) {
@@ -76,10 +77,10 @@ PlannedPasses PlanPasses(const Stations& stations, const PassesToPlan& request, 
       WritePass(checkpoints, key, shared.obstacles, {}, planned.passes[i]);
     } else {
       const Station& station = stations.At(external[i].from);
-      const auto looks = std::make_shared<LookKeeper>();
-      planned.passes[i] = PlanPass(station.problem, station.world.Watched(looks), wanted, options, inner);
+      const auto looks = std::make_shared<QueryLog>();
+      planned.passes[i] = PlanPass(station.problem, station.world.Recording(looks), wanted, options, inner);
       planned.passes[i].external = external[i].from;
-      WritePass(checkpoints, key, shared.obstacles, looks->Kept(), planned.passes[i]);
+      WritePass(checkpoints, key, shared.obstacles, looks->Collected(), planned.passes[i]);
     }
     execution.progress.Advance(pass.points.size());
   });
@@ -87,26 +88,27 @@ PlannedPasses PlanPasses(const Stations& stations, const PassesToPlan& request, 
   return planned;
 }
 
-PlannedGaps PlanGaps(const Stations& stations, const std::vector<std::pair<GapEnd, GapEnd>>& ends,
-                     const GapOptions& options, const CheckpointStore& checkpoints,
-                     const Execution& execution) {
+PlannedLinkMoves PlanLinkMoves(const Stations& stations,
+                               const std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>>& ends,
+                               const LinkMoveOptions& options, const CheckpointStore& checkpoints,
+                               const Execution& execution) {
   const World& world = stations.world();
-  const std::string context = GapContext(world, options);
+  const std::string context = LinkMoveContext(world, options);
   const Obstacles obstacles = ObstaclesOf(world.cell());
-  PlannedGaps planned;
+  PlannedLinkMoves planned;
   planned.gaps.resize(ends.size());
   std::atomic<size_t> resumed = 0;
   ParallelFor(ends.size(), execution.Threads(), execution.stop, [&](size_t i) {
-    const GapEnd &from = ends[i].first, &to = ends[i].second;
-    const std::string key = GapKey(context, from, to);
-    const auto fits = [&](const Gap& gap) { return IsGapOf(gap, from, to); };
-    if (auto earlier = ReadGap(checkpoints, key, world, obstacles, fits)) {
+    const LinkMoveEnd &from = ends[i].first, &to = ends[i].second;
+    const std::string key = LinkMoveKey(context, from, to);
+    const auto fits = [&](const LinkMove& gap) { return IsLinkMoveOf(gap, from, to); };
+    if (auto earlier = ReadLinkMove(checkpoints, key, world, obstacles, fits)) {
       planned.gaps[i] = std::move(*earlier);
       ++resumed;
     } else {
-      const auto looks = std::make_shared<LookKeeper>();
+      const auto looks = std::make_shared<QueryLog>();
       planned.gaps[i] = PlanWatched(stations, ends[i], options, looks, execution.stop);
-      WriteGap(checkpoints, key, obstacles, looks->Kept(), planned.gaps[i]);
+      WriteLinkMove(checkpoints, key, obstacles, looks->Collected(), planned.gaps[i]);
     }
     execution.progress.Advance(1);
   });

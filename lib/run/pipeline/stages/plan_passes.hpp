@@ -2,10 +2,10 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "planning/links/gap_planner.hpp"
+#include "planning/external/external_course.hpp"
+#include "planning/links/link_move_planner.hpp"
 #include "planning/pass/pass_planner.hpp"
 #include "run/pipeline/stages/plan_job.hpp"
-#include "planning/external/external_course.hpp"
 
 namespace millpose {
 
@@ -25,14 +25,15 @@ struct PassesToPlan {
 PlannedPasses PlanPasses(const Stations& stations, const PassesToPlan& request, const PathOptions& options,
                          const CheckpointStore& checkpoints, const Execution& execution);
 
-struct PlannedGaps {
-  std::vector<Gap> gaps;
+struct PlannedLinkMoves {
+  std::vector<LinkMove> gaps;
   size_t resumed = 0;  ///< how many came from checkpoints
 };
 
 /// Plans every gap of passes whose turns are fixed, as PlanPasses does passes.
-PlannedGaps PlanGaps(const Stations& stations, const std::vector<std::pair<GapEnd, GapEnd>>& ends,
-                     const GapOptions& options, const CheckpointStore& checkpoints,
-                     const Execution& execution);
+PlannedLinkMoves PlanLinkMoves(const Stations& stations,
+                               const std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>>& ends,
+                               const LinkMoveOptions& options, const CheckpointStore& checkpoints,
+                               const Execution& execution);
 
 }  // namespace millpose

@@ -2,10 +2,10 @@
 #include "run/pipeline/stages/repair_ends.hpp"
 
 #include "base/parallel.hpp"
-#include "store/kept_stage.hpp"
-#include "store/plan_key.hpp"
 #include "planning/result/skipped.hpp"
 #include "planning/result/station.hpp"
+#include "store/cached_stage.hpp"
+#include "store/plan_key.hpp"
 
 namespace millpose {
 namespace {
@@ -21,7 +21,7 @@ EndLoss LossOf(const Stations& stations, const RetractOptions& leave, const Pass
   EndLoss loss;
   loss.pieces = pass.pieces.size();
   loss.points = CountSkipped(pass);
-  for (const Piece& piece : pass.pieces) {
+  for (const Segment& piece : pass.pieces) {
     const auto share = [&](int point) {
       const auto t = static_cast<size_t>(point);
       const std::shared_ptr<const Station> station = stations.Of(pass, t);
@@ -57,7 +57,7 @@ void RepairEnds(const PreparedJob& prepared, PathOptions options, const RetractO
   };
   const std::string key = StageKey(prepared.problem, leave, KeyOf(passes, execution.Threads()));
   const auto before =
-      KeptInWorld<std::vector<EndLoss>>(checkpoints, "ends", key, prepared.stations, losses_in);
+      CachedInWorld<std::vector<EndLoss>>(checkpoints, "ends", key, prepared.stations, losses_in);
   const auto stuck = [&](size_t i) { return before[i].reduced > 0; };
   const auto count = std::ranges::count_if(before, [](const EndLoss& loss) { return loss.reduced > 0; });
   execution.progress.End(fmt::format("{} passes with an end near something", count));

@@ -4,10 +4,10 @@
 
 #include <functional>
 
-#include "planning/links/retract.hpp"
-#include "planning/pose/candidate_table.hpp"
 #include "planning/external/station_sequence.hpp"
 #include "planning/external/stations.hpp"
+#include "planning/links/retract.hpp"
+#include "planning/pose/candidate_table.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {

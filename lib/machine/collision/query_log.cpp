@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "machine/collision/query_log.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/units.hpp"
+#include "machine/collision/motion_bound.hpp"
+#include "machine/collision/world.hpp"
+#include "machine/collision/world_impl.hpp"
+#include "machine/robot/kinematics.hpp"
+
+namespace millpose {
+namespace {
+
+/// Poses whose joints differ by less than about this, rad, are put together: with all of it, what hangs on
+/// the flange moves by some centimetres.
+const std::array<double, 6> kTogether{DegToRad(1), DegToRad(1), DegToRad(1),
+                                      DegToRad(4), DegToRad(4), DegToRad(10)};
+
+float Down(double value) {
+  return std::nextafter(static_cast<float>(value), -std::numeric_limits<float>::infinity());
+}
+float Up(double value) {
+  return std::nextafter(static_cast<float>(value), std::numeric_limits<float>::infinity());
+}
+
+/// How far a point within `radius` of `centre`, on `link`, may move in W when each joint turns by at most
+/// `turn` (MotionBounds, of the ball about the body).
+double BallMoves(const JointAxes& axes, int link, const Eigen::Vector3d& centre, double radius,
+                 const Joints& turn) {
+  double moved = 0;
+  for (int j = link; j >= 1; --j) {
+    const double arm = (centre - axes.point[j - 1]).norm() + radius;
+    moved += turn[j - 1] * (arm + moved);
+  }
+  return moved;
+}
+
+}  // namespace
+
+size_t QueryLog::Hash::operator()(const Place& place) const {
+  uint64_t hash = 0;
+  for (const int16_t at : place) {
+    hash = (hash ^ static_cast<uint16_t>(at)) * 0x9e3779b97f4a7c15U;
+    hash ^= hash >> 32U;
+  }
+  return hash;
+}
+
+void QueryLog::Widen(const Place& place, const PoseBox& box) {
+  const auto [at, is_new] = boxes_.try_emplace(place, box);
+  if (is_new) return;
+  PoseBox& kept = at->second;
+  for (size_t i = 0; i < 6; ++i) {
+    kept.low[i] = std::min(kept.low[i], box.low[i]);
+    kept.high[i] = std::max(kept.high[i], box.high[i]);
+  }
+  kept.reach = std::max(kept.reach, box.reach);
+}
+
+void QueryLog::Add(const Joints& low, const Joints& high, double reach) {
+  Place place;
+  PoseBox box;
+  for (size_t i = 0; i < 6; ++i) {
+    const auto joint = static_cast<Eigen::Index>(i);
+    place[i] = static_cast<int16_t>(std::floor(0.5 * (low[joint] + high[joint]) / kTogether[i]));
+    box.low[i] = Down(low[joint]);
+    box.high[i] = Up(high[joint]);
+  }
+  box.reach = Up(reach);
+  Widen(place, box);
+}
+
+void QueryLog::AddMotion(const Joints& q0, const Joints& q1, const Joints& tube, double reach) {
+  double most = 0;
+  for (size_t i = 0; i < 6; ++i) {
+    const auto joint = static_cast<Eigen::Index>(i);
+    most = std::max(most, std::abs(q1[joint] - q0[joint]) / kTogether[i]);
+  }
+  // The last interval that is looked at for the tube's sake reaches a little beyond (BlockedBetween).
+  const Joints beside = tube.array() + kSmallBesideTube * tube.maxCoeff();
+  // A long way by a box of its own would be one by all that lies between its corners.
+  const int parts = std::max(1, static_cast<int>(std::ceil(most)));
+  for (int k = 0; k < parts; ++k) {
+    const Joints a = q0 + static_cast<double>(k) / parts * (q1 - q0),
+                 b = k + 1 < parts ? Joints(q0 + static_cast<double>(k + 1) / parts * (q1 - q0)) : q1;
+    Add(a.cwiseMin(b) - beside, a.cwiseMax(b) + beside, reach);
+  }
+}
+
+void QueryLog::Take(const QueryLog& other) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [place, box] : other.boxes_) Widen(place, box);
+  met_.insert(other.met_.begin(), other.met_.end());
+}
+
+Queries QueryLog::Collected() const {
+  // In one order, whatever the threads' was.
+  std::vector<std::pair<Place, PoseBox>> sorted(boxes_.begin(), boxes_.end());
+  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  Queries looks;
+  looks.boxes.reserve(sorted.size());
+  for (const auto& [place, box] : sorted) looks.boxes.push_back(box);
+  looks.met.assign(met_.begin(), met_.end());
+  return looks;
+}
+
+bool World::FarFrom(const std::vector<std::string>& still, const Queries& looks) const {
+  std::vector<Placed> obstacles;
+  for (const WorldBody& body : impl_->bodies) {
+    if (body.link == 0 && std::find(still.begin(), still.end(), body.name) != still.end())
+      obstacles.push_back(PlacePart(*body.part, body.X_LG));
+  }
+  Joints middle, turn;
+  for (const PoseBox& box : looks.boxes) {
+    for (size_t i = 0; i < 6; ++i) {
+      const auto joint = static_cast<Eigen::Index>(i);
+      middle[joint] = 0.5 * (static_cast<double>(box.low[i]) + box.high[i]);
+      turn[joint] = 0.5 * (static_cast<double>(box.high[i]) - box.low[i]);
+    }
+    std::array<Pose, 7> X_WL = LinkFrames(impl_->cell.arm, middle);
+    for (Pose& X : X_WL) X = impl_->cell.X_WB * X;
+    const JointAxes axes = AxesOf(X_WL);
+    for (const WorldBody& body : impl_->bodies) {
+      if (body.link == 0) continue;
+      const Placed part = PlacePart(*body.part, X_WL[static_cast<size_t>(body.link)] * body.X_LG);
+      // Gaps along the obstacle's directions are less at another pose of the box, all three together by √3
+      // times what the body moves at most. A motion is looked at in ever shorter parts until they suffice: as
+      // long as they exceed the clearance, no part ends the check.
+      constexpr double kAlongThree = 1.7320509;
+      const auto apart = [&](const Placed& obstacle, double moves) {
+        return ApartFromStill(obstacle, part, box.reach + kAlongThree * moves);
+      };
+      const double about = BallMoves(axes, body.link, part.centre, part.part->radius, turn);
+      std::optional<double> moves;  // the narrower bound, which costs more
+      for (const Placed& obstacle : obstacles) {
+        if (apart(obstacle, about)) continue;
+        if (!moves) moves = MotionBounds(axes, body.link, part.centre, part.half_axes, turn)[0];
+        if (!apart(obstacle, *moves)) return false;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace millpose

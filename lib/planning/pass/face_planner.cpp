@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "planning/pass/face_planner.hpp"
+
+#include "base/parallel.hpp"
+#include "planning/pass/describe_point.hpp"
+#include "planning/pass/face_search.hpp"
+#include "planning/pass/nominal_plan.hpp"
+#include "planning/pose/lean_problem.hpp"
+#include "planning/result/continuity.hpp"
+#include "planning/result/point_clearance.hpp"
+#include "planning/result/station.hpp"
+
+namespace millpose {
+namespace {
+
+/// Where leans are free: the pass with its points as they were laid, if the cutter can stand so everywhere.
+std::optional<PassResult> AsLaid(const Stations& stations, const PassResult& pass) {
+  const PoseProblem& problem = stations.At(pass.external).problem;
+  if (!HasLean(problem)) return std::nullopt;
+  PassResult laid = AtNominalLean(problem, pass);
+  for (const PlannedPoint& planned : laid.points) {
+    const MillingPoint& point = planned.point;
+    if (planned.skip == Infeasibility::kNone && problem.lean->surface &&
+        problem.lean->surface->Gouge(point.position, point.tool_axis) > 0)
+      return std::nullopt;
+  }
+  return laid;
+}
+
+/// Puts a candidate into the plan in place of a segment. `from`: the pass with the points that it is for;
+/// `leans`: its further freedoms, where they are not those of the plan.
+void Put(const Stations& stations, const Segment& segment, const FaceCandidate& chosen,
+         const PassResult& from, std::optional<FreedomValues> leans, PassResult& pass) {
+  for (size_t i = 0; i < chosen.path.size(); ++i) {
+    const size_t t = static_cast<size_t>(segment.first) + i;
+    PlannedPoint& point = pass.points[t];
+    const PathNode& node = chosen.path[i];
+    const FreedomValues freedoms = leans.value_or(point.freedoms);
+    point.point = from.points[t].point;
+    DescribePoint(stations.Of(pass, t)->problem, node, point);
+    for (size_t d = 1; d < freedoms.size(); ++d) point.freedoms.push_back(freedoms[d]);
+    point.unsmoothed = node.objective;
+    if (point.objective >= point.free_optimum) continue;
+    point.free_optimum = point.objective;
+    point.free_rotation = point.freedoms[0];
+    point.free_branch = point.branch;
+  }
+}
+
+/// The clearances of points that moved.
+void MeasureClearances(const Stations& stations, PassResult& pass) {
+  const PlannedIn in(stations, pass);
+  for (size_t t = 0; t < pass.points.size(); ++t) {
+    PlannedPoint& point = pass.points[t];
+    if (point.skip != Infeasibility::kNone) continue;
+    Checker checker(in.At(t).world);
+    point.clearance = checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
+  }
+}
+
+}  // namespace
+
+double AttainableFace(const Stations& given, const PassResult& pass, const FacePlanOptions& options,
+                      const Execution& execution) {
+  const Stations stations = given.AtOwnAxis();
+  const std::optional<PassResult> laid = AsLaid(given, pass);
+  double largest = 0;
+  for (const Segment& segment : pass.pieces) {
+    FaceSegment face(stations, pass, segment, options, execution);
+    double least = std::min(face.AsPlanned().figures.worst, FaceSearch(face, 0).Attainable());
+    if (laid) {
+      FaceSegment upright(stations, *laid, segment, options, execution);
+      least = std::min(least, FaceSearch(upright, 0).Attainable());
+    }
+    largest = std::max(largest, least);
+  }
+  return largest;
+}
+
+PlannedFace PlanFace(const Stations& given, const PassResult& pass, const FacePlanOptions& options,
+                     const Execution& execution) {
+  const Stations stations = given.AtOwnAxis();
+  const std::optional<PassResult> laid = AsLaid(given, pass);
+  PlannedFace planned{pass, {}};
+  planned.pass.bound = {};  // of a sum that is not sought
+  bool changed = false;
+  for (const Segment& segment : pass.pieces) {
+    FaceSegment face(stations, pass, segment, options, execution);
+    const FaceCandidate before = face.AsPlanned();
+    std::pair best{FaceWay::kPlanned, before};
+    const bool improved = FaceSearch(face, options.limit).Improve(best);
+    planned.pass.poses_checked += face.poses_checked();
+    bool as_laid = false;
+    if (laid) {
+      FaceSegment upright(stations, *laid, segment, options, execution);
+      as_laid = FaceSearch(upright, options.limit).Improve(best);
+      planned.pass.poses_checked += upright.poses_checked();
+    }
+    planned.choices.push_back({pass.pass, segment.piece, best.first, before.figures, best.second.figures});
+    if (as_laid)
+      Put(stations, segment, best.second, *laid, NominalFreedoms(given.problem()), planned.pass);
+    else if (improved)
+      Put(stations, segment, best.second, pass, std::nullopt, planned.pass);
+    changed = changed || improved || as_laid;
+  }
+  if (changed) MeasureClearances(stations, planned.pass);
+  return planned;
+}
+
+FaceModel ModelOf(const Stations& stations, const GearModel& gears) {
+  return {gears, stations.problem().objective->JudgesFace().value_or(ForceBounds{}),
+          stations.world().cell().external_axes};
+}
+
+std::vector<FaceChoiceFigures> FacesOf(const Stations& given, const GearModel& gears,
+                                       const PassResult& pass) {
+  const Stations stations = given.AtOwnAxis();
+  const FaceModel model = ModelOf(stations, gears);
+  const PlannedIn in(stations, pass);
+  std::vector<FaceChoiceFigures> faces;
+  for (const Segment& piece : pass.pieces) {
+    std::vector<FacePlace> places;
+    for (auto t = static_cast<size_t>(piece.first); t <= static_cast<size_t>(piece.last); ++t)
+      places.push_back(
+          FacePlaceAt(in.At(t).problem, model, pass.points[t].point, pass.points[t].q, ExternalAt(pass, t)));
+    faces.push_back(FiguresOf(gears.lost, std::move(places), piece.closed));
+  }
+  return faces;
+}
+
+}  // namespace millpose

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "planning/result/gear_course.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/units.hpp"
+#include "machine/robot/angles.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "planning/result/station.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kArcmin = DegToRad(1.0 / 60);
+constexpr double kMicrometre = 1e-3;
+
+/// How far the tip goes against the part along `normal` per unit of each external axis.
+std::vector<double> ExternalLevers(const Mechanism& mechanism, const PosedPoint& place) {
+  std::vector<double> levers;
+  for (size_t i = 0; i < place.external.size(); ++i) {
+    const auto [direction, origin] = mechanism.LineOf(i, place.external);
+    const bool linear = mechanism.axes()[i].kind == AxisKind::kLinear;
+    const Vector3d way = linear ? direction : Vector3d(direction.cross(place.point->position - origin));
+    const double sign = mechanism.axes()[i].carries == Carries::kRobot ? 1 : -1;
+    levers.push_back(sign * place.point->normal.dot(way));
+  }
+  return levers;
+}
+
+double UnitOf(int gear, const std::vector<ExternalAxis>& external) {
+  const bool linear = gear >= 6 && external[static_cast<size_t>(gear) - 6].kind == AxisKind::kLinear;
+  return linear ? kMicrometre : kArcmin;
+}
+
+}  // namespace
+
+PosedGears GearsAt(const GearModel& model, const GearedArm& geared, const PosedPoint& posed) {
+  const auto& [arm, X_FT, mechanism] = geared;
+  const Eigen::Matrix3d R_BW = posed.X_WB.linear().transpose();
+  const Eigen::Matrix<double, 3, 6> J = Jacobian(arm, posed.q, X_FT.translation()).topRows<3>();
+  PosedGears placed;
+  placed.levers =
+      GearLevers(model.lost, J.transpose() * (R_BW * posed.point->normal), ExternalLevers(mechanism, posed));
+  placed.place.at = AtGears(model.lost, posed.q, posed.external);
+  if (const auto& weights = model.weights) {
+    const Joints torques =
+        GravityTorques(arm, posed.q, weights->masses, weights->counterbalance, weights->gravity) +
+        J.transpose() * (R_BW * posed.point->engagement.force);
+    placed.place.load = GearLoads(model.lost, torques);
+  }
+  return placed;
+}
+
+PieceGears FollowPiece(const GearModel& model, const GearedArm& arm, const std::vector<PosedPoint>& places,
+                       bool closed) {
+  PieceGears gears;
+  std::vector<GearPlace> way;
+  Joints near = Joints::Zero();
+  const auto add = [&](PosedPoint posed) {
+    if (!way.empty()) posed.q = NearestEquivalent(near, posed.q);
+    near = posed.q;
+    const auto [place, levers] = GearsAt(model, arm, posed);
+    way.push_back(place);
+    gears.levers.push_back(levers);
+  };
+  for (const PosedPoint& posed : places) add(posed);
+  if (closed && !places.empty()) add(places.front());
+  gears.events = GearEvents(model.lost, way);
+  const std::vector<GearValues> offsets = OffsetsAlong(model.lost, way);
+  for (size_t t = 0; t < way.size(); ++t) gears.errors.push_back(gears.levers[t].dot(offsets[t]));
+  return gears;
+}
+
+std::optional<double> HeightOf(const GearMark& mark, const GearModel& model) {
+  if (!model.known[static_cast<size_t>(mark.gear)]) return std::nullopt;
+  return mark.crosses ? model.lost.width[mark.gear] * mark.lever : 0;
+}
+
+double HeightPerUnit(const GearMark& mark, const std::vector<ExternalAxis>& external) {
+  return mark.lever * UnitOf(mark.gear, external);
+}
+
+FaceFilter OfFace(const std::vector<PassResult>& passes, int finished_from) {
+  return [compared = Compared(passes), finished_from](const PassResult& pass, const PlannedPoint& point) {
+    return pass.pass >= finished_from && compared(point);
+  };
+}
+
+void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& pass,
+                const std::function<PosedPoint(size_t)>& posed, const FaceFilter& face, GearCourse& course) {
+  const bool any_known = std::ranges::find(model.known, true) != model.known.end();
+  const size_t first_point = course.errors.size();
+  course.errors.resize(first_point + pass.points.size());
+  course.lever_sums.resize(course.errors.size());
+  for (const PlannedPoint& point : pass.points) course.face.push_back(face(pass, point));
+  for (const Segment& piece : pass.pieces) {
+    std::vector<PosedPoint> places;
+    for (int i = piece.first; i <= piece.last; ++i) places.push_back(posed(static_cast<size_t>(i)));
+    const PieceGears gears = FollowPiece(model, arm, places, piece.closed);
+    const auto point_of = [&](size_t place) {
+      return static_cast<size_t>(piece.first) + (place == places.size() ? 0 : place);
+    };
+    for (const GearEvent& event : gears.events) {
+      const size_t at = point_of(event.place);
+      if (course.face[first_point + at])
+        course.marks.push_back({pass.pass, first_point + at, event.gear, event.turns, event.crosses,
+                                std::abs(gears.levers[event.place][event.gear])});
+    }
+    for (size_t t = 0; t < places.size(); ++t) {
+      const size_t at = first_point + point_of(t);
+      if (!course.face[at]) continue;
+      course.lever_sums[at] = gears.levers[t].head<6>().cwiseAbs().sum();
+      if (any_known) course.errors[at] = gears.errors[t];
+    }
+  }
+}
+
+GearCourse FollowGears(const PlanResult& plan, const GearModel& model, const FaceFilter& face) {
+  GearCourse course;
+  const Mechanism mechanism(plan.external_axes);
+  for (const PassResult& pass : plan.passes)
+    FollowPass(
+        model, {plan.arm, plan.X_FT, mechanism}, pass,
+        [&](size_t t) {
+          const ExternalPosition& external = ExternalAt(pass, t);
+          return PosedPoint{&pass.points[t].point, pass.points[t].q, BaseAt(plan, external), external};
+        },
+        face, course);
+  std::ranges::stable_sort(course.marks, {},
+                           [](const GearMark& mark) { return std::pair(mark.point, mark.gear); });
+  return course;
+}
+
+int GearTally::Turns() const { return std::accumulate(turns.begin(), turns.end(), 0); }
+
+void GearTally::Add(const GearTally& other) {
+  for (size_t i = 0; i < turns.size(); ++i) turns[i] += other.turns[i], crossings[i] += other.crossings[i];
+  largest = std::max(largest, other.largest);
+  sum += other.sum;
+  worst = std::max(worst, other.worst);
+}
+
+GearTally TallyOf(const GearCourse& course, const GearModel& model,
+                  const std::vector<ExternalAxis>& external) {
+  GearTally tally;
+  for (const GearMark& mark : course.marks) {
+    const auto gear = static_cast<size_t>(mark.gear);
+    tally.turns[gear] += mark.turns;
+    tally.crossings[gear] += mark.crosses;
+    if (!mark.crosses) continue;
+    const double height = HeightOf(mark, model).value_or(HeightPerUnit(mark, external));
+    tally.largest = std::max(tally.largest, height);
+    tally.sum += height;
+  }
+  for (const std::optional<double>& error : course.errors)
+    if (error) tally.worst = std::max(tally.worst, std::abs(*error));
+  return tally;
+}
+
+}  // namespace millpose

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The face before it is milled, as people and scripts read it (docs/face.md).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planning/face/face_study.hpp"
+
+namespace millpose {
+
+/// A plan's face, and beside it that of a fixed rotation.
+struct FaceReport {
+  std::string job;
+  FaceRays rays;
+  StatedErrors stated;
+  FaceStudy plan;
+  std::optional<double> rotation;  ///< rad, the fixed one; empty: there is none to compare with
+  std::optional<FaceStudy> fixed;  ///< of it
+  std::string fixed_in_the_way;    ///< one sentence, where it has no face
+};
+
+/// What every output says that the faces leave out.
+extern const std::vector<std::string> kNotInFace;
+
+/// For the terminal.
+std::string FaceText(const FaceReport& report);
+/// Keys name their units.
+std::string FaceJson(const FaceReport& report);
+
+}  // namespace millpose

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Results of stages that are not worked out again where a stage is handed the same values.
+#pragma once
+
+#include <functional>
+
+#include "base/process.hpp"
+#include "planning/external/stations.hpp"
+#include "store/cached_pass.hpp"
+#include "store/checkpoint_key.hpp"
+#include "store/checkpoints.hpp"
+#include "store/value_reader.hpp"
+
+namespace millpose {
+
+/// The key of a stage: the hash of the very values that it is handed, and of the program that runs it.
+template <class... T>
+std::string StageKey(const T&... handed) {
+  return HashOfValues(ProgramId(), handed...);
+}
+
+/// What `make()` returns, or the same as `stage` left it under this key. `make` must read nothing that does
+/// not stand in the key but what no result depends on (threads, stop).
+template <class Result>
+Result Cached(const CheckpointStore& store, const std::string& stage, const std::string& key,
+              const std::function<Result()>& make) {
+  if (const auto bytes = store.ReadStage(stage, key)) {
+    Result result;
+    if (ValueReader(*bytes).Read(result)) return result;
+  }
+  Result result = make();
+  store.WriteStage(stage, key, ValueBytes().Add(result).bytes());
+  return result;
+}
+
+/// Cached(), for a stage that asks the cell's world: what it made is found again after an obstacle has moved
+/// if no answer would be another (StillHolds). The world is no part of `key`. `make` asks the stations that
+/// it is given and no others; where the cell has external axes, their worlds are part of the key as they are.
+template <class Result>
+Result CachedInWorld(const CheckpointStore& store, const std::string& stage, const std::string& key,
+                     const Stations& stations, const std::function<Result(const Stations&)>& make) {
+  struct Recording {
+    QueryRecord asked;
+    Result result;
+  };
+  const World& world = stations.world();
+  if (!world.cell().external_axes.empty())
+    return Cached<Result>(store, stage, StageKey(key, world.cell()), [&] { return make(stations); });
+  const std::string own = StageKey(key, WithoutPlaces(world.cell()));
+  const Obstacles obstacles = ObstaclesOf(world.cell());
+  if (const auto bytes = store.ReadStage(stage, own)) {
+    Recording kept;
+    if (ValueReader(*bytes).Read(kept) && StillHolds(kept.asked, world, obstacles))
+      return std::move(kept.result);
+  }
+  const auto looks = std::make_shared<QueryLog>();
+  Recording made;
+  made.result = make(Stations(world.Recording(looks), stations.problem()));
+  made.asked = {obstacles, looks->Collected()};
+  store.WriteStage(stage, own, ValueBytes().Add(made).bytes());
+  return std::move(made.result);
+}
+
+}  // namespace millpose
