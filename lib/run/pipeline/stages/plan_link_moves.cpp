@@ -37,8 +37,9 @@ class AllLinkMoves {
       if (barred_.empty()) return planned;
       // From the last to the first: leaving one out renumbers those after it in its pass.
       for (auto at = barred_.rbegin(); at != barred_.rend(); ++at)
-        LeaveOut(passes_[static_cast<size_t>(at->first.first)], at->first.second, Infeasibility::kAccess,
-                 at->second);
+        // By its number: a trial has some of the passes only.
+        LeaveOut(*std::ranges::find(passes_, at->first.first, &PassResult::pass), at->first.second,
+                 Infeasibility::kAccess, at->second);
     }
   }
 
