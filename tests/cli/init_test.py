@@ -63,7 +63,7 @@ class Init(InFolder):
         planned = run("plan", folder / "job.yaml", "-q")
         self.assertEqual(planned.returncode, 0, planned.stdout + planned.stderr)
         self.assertRegex(planned.stdout, r"points +(\d+) planned of \1, 0 skipped")
-        self.assertTrue(any((folder / f"{folder.name}.out" / "programs").rglob("*.ngc")))
+        self.assertTrue(any(folder.glob("*.out/programs/linuxcnc/*.ngc")))
 
     def try_parts(self, parts, arms):
         for arm in arms:
