@@ -62,6 +62,16 @@ TEST(PlanAllLinkMoves, APieceThatCannotBeLeftCostsItselfAlone) {
   }
 }
 
+TEST(PlanAllLinkMoves, OfATrialSomePassesAreThereOnly) {
+  const World world(ClampedCell());
+  std::vector<PassResult> passes{PassAt(10, {kRight}), PassAt(20, {kLeft, kRight}), PassAt(30, {kRight})};
+  const PlannedLinkMoves planned =
+      PlanAllLinkMoves(Stations(world, {}), passes, {}, NoCheckpoints(), {.threads = 2});
+  for (const LinkMove& gap : planned.gaps) EXPECT_TRUE(gap.planned) << gap.detail;
+  EXPECT_EQ(passes[1].pieces.size(), 1u);  // the left one cannot be reached
+  EXPECT_EQ(passes[0].pieces.size(), 1u);
+}
+
 TEST(PlanAllLinkMoves, WhereNoWayIsFoundBetweenPiecesItGoesByHome) {
   Cell cell = SampleCell();
   cell.bodies.push_back(
