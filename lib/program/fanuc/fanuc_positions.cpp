@@ -5,6 +5,7 @@
 
 #include "base/text.hpp"
 #include "program/controller_axes.hpp"
+#include "program/fanuc/fanuc_words.hpp"
 #include "program/scanner.hpp"
 
 namespace millpose {
@@ -61,14 +62,6 @@ class Records {
   LineScanner scan_;
 };
 
-int ReadWhole(LineScanner& scan, int least, int most) {
-  const size_t start = scan.Next();
-  const double number = scan.ExpectDecimal();
-  if (number < least || number > most || number != std::floor(number))
-    scan.FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
-  return static_cast<int>(number);
-}
-
 class PositionReader {
  public:
   PositionReader(Records& records, const PostSettings& settings, const FanucOptions& options)
@@ -99,7 +92,7 @@ class PositionReader {
       records_.Expect(":");
       LineScanner& scan = records_.scan();
       const size_t start = scan.Next();
-      if (scan.AcceptName() || ReadWhole(scan, 0, 100) != wanted)
+      if (scan.AcceptName() || fanuc::ReadWhole(scan, 0, 100) != wanted)
         scan.FailFrom(start, fmt::format("{} {} expected, as the cell's {} says and {}_NUM selects", word,
                                          wanted, word == std::string("UF") ? "user_frame" : "tool_frame",
                                          word == std::string("UF") ? "UFRAME" : "UTOOL"));
@@ -117,7 +110,7 @@ class PositionReader {
     config.status |= ReadLetter(scan, "B", "T") ? 1 : 0;
     for (int& turn : config.turns) {
       scan.Expect(",");
-      turn = ReadWhole(scan, -kMostTurns, kMostTurns);
+      turn = fanuc::ReadWhole(scan, -kMostTurns, kMostTurns);
     }
     scan.Expect("'");
     records_.Expect(",");
@@ -183,7 +176,7 @@ int ReadPositionNumber(Records& records) {
   records.Expect("P");
   records.Expect("[");
   LineScanner& scan = records.scan();
-  const int number = ReadWhole(scan, 1, 1000000);
+  const int number = fanuc::ReadWhole(scan, 1, 1000000);
   if (scan.Accept(":")) scan.TakeUntil(']');
   scan.Expect("]");
   return number;
