@@ -3,15 +3,17 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "geometry/import/mesh_import.hpp"
 #include "job/assemble.hpp"
+#include "job/raw_stock.hpp"
 #include "toolpath/engagement/cutting_material.hpp"
+#include "toolpath/stock/taken_off.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kSameShare = 0.05;  // share by which given and worked out may differ
+constexpr double kBeforeTolerance = 0.01;  // mm, of what operations before have taken off
+constexpr double kSameShare = 0.05;        // share by which given and worked out may differ
 
 CuttingMaterial MaterialOf(const CuttingSettings& cutting) {
   if (cutting.kc11 > 0) return {cutting.material, cutting.kc11, cutting.mc, "job"};
@@ -111,8 +113,7 @@ class CuttingReader {
 
   void CheckStock() {
     if (job_.stock == Standing::kMesh) {
-      if (job_.workpiece.stock_file.empty())
-        Add("process.stock: given mesh; the job needs workpiece.stock.mesh");
+      if (!job_.workpiece.HasStock()) Add("process.stock: given mesh; the job needs workpiece.stock");
     } else if (!job_.toolpath.strategy->File().empty() || mesh_.face_count() == 0) {
       Add("process.cutting: what material a CAM path finds is not known; give process.stock: mesh with "
           "workpiece.stock, or process.cutting.side and width_mm");
@@ -120,15 +121,13 @@ class CuttingReader {
   }
 
   InMaterial StockMesh() const {
-    const WorkpieceSettings& workpiece = job_.workpiece;
-    ImportOptions options;
-    options.unit = workpiece.stock_unit;
-    options.weld_tolerance = workpiece.weld_tolerance;
-    const Mesh stock =
-        ImportMesh(ReadMesh(inputs_.stock_bytes, workpiece.stock_file, MakeStepOptions(workpiece)), options,
-                   workpiece.stock_file)
-            .mesh;
-    return [stock](const Eigen::Vector3d& place) { return stock.Contains(place); };
+    const Mesh stock(RawStock(inputs_));
+    if (inputs_.cut_before.empty())
+      return [stock](const Eigen::Vector3d& place) { return stock.Contains(place); };
+    const auto taken = std::make_shared<TakenOff>(inputs_.cut_before, kBeforeTolerance);
+    return [stock, taken](const Eigen::Vector3d& place) {
+      return !taken->Holds(place) && stock.Contains(place);
+    };
   }
 
   InMaterial Raised(double top) const {

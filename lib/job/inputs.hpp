@@ -8,6 +8,7 @@
 
 #include "base/file_root.hpp"
 #include "job/config/config.hpp"
+#include "toolpath/stock/swept_cutter.hpp"
 
 namespace millpose {
 
@@ -31,8 +32,9 @@ struct JobInputs {
   std::map<std::string, std::string>
       step_meshes{};  ///< STEP files that became triangles: hash of these by their key (step_meshes.hpp)
   std::string hash;   ///< of all of it, resolved
-  double max_points = 2e6;                ///< that the tool path may have
-  std::optional<double> trajectory = {};  ///< s between rows of where the arm is; none by default
+  double max_points = 2e6;                  ///< that the tool path may have
+  std::vector<CutsOfTool> cut_before = {};  ///< of the raw part, by the operations before this one
+  std::optional<double> trajectory = {};    ///< s between rows of where the arm is; none by default
 };
 
 /// Reads a job, its cell and their meshes; paths inside a file are relative to that file. Throws InputError

@@ -3,6 +3,7 @@
 #include "geometry/import/mesh_import.hpp"
 #include "geometry/mesh/point_fit.hpp"
 #include "job/assemble.hpp"
+#include "job/raw_stock.hpp"
 #include "job/workpiece.hpp"
 #include "machine/robot/make_pose.hpp"
 #include "program/controller_axes.hpp"
@@ -189,26 +190,22 @@ StepOptions MakeStepOptions(const WorkpieceSettings& workpiece) {
 }
 
 double AllowanceOf(const JobSettings& job) {
-  return job.workpiece.allowance.value_or(job.toolpath.layers.total);
+  // What stands of a raw part is known better than that.
+  return job.workpiece.allowance.value_or(job.workpiece.HasStock() ? 0 : job.toolpath.layers.total);
 }
 
 void AddWorkpiece(const JobInputs& inputs, Triangles finished, Cell* cell) {
-  const WorkpieceSettings& workpiece = inputs.job.workpiece;
   cell->allowance = AllowanceOf(inputs.job);
   if (!finished.faces.empty())
     cell->bodies.push_back({.name = "workpiece",
                             .body_class = BodyClass::kWorkpiece,
                             .mount = Mount::kWorkpiece,
                             .shape = std::move(finished)});
-  if (workpiece.stock_file.empty()) return;
-  ImportOptions options;
-  options.unit = workpiece.stock_unit;
-  options.weld_tolerance = workpiece.weld_tolerance;
-  const RawMesh raw = ReadMesh(inputs.stock_bytes, workpiece.stock_file, MakeStepOptions(workpiece));
-  cell->bodies.push_back({.name = "stock",
-                          .body_class = BodyClass::kStock,
-                          .mount = Mount::kWorkpiece,
-                          .shape = ImportMesh(raw, options, workpiece.stock_file).mesh.triangles()});
+  if (Triangles stock = RawStock(inputs); !stock.faces.empty())
+    cell->bodies.push_back({.name = "stock",
+                            .body_class = BodyClass::kStock,
+                            .mount = Mount::kWorkpiece,
+                            .shape = std::move(stock)});
 }
 
 Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB) {

@@ -32,6 +32,7 @@ JobInputs InputsOfToolpath(const JobInputs& inputs) {
   narrow.workpiece_bytes = inputs.workpiece_bytes;
   narrow.stock_bytes = inputs.stock_bytes;
   narrow.path_bytes = inputs.path_bytes;
+  if (inputs.job.stock == Standing::kMesh) narrow.cut_before = inputs.cut_before;
   narrow.max_points = inputs.max_points;
   narrow.hash = HashOf(narrow);
   return narrow;

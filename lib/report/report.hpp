@@ -13,6 +13,7 @@
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
 #include "planning/result/price.hpp"
+#include "planning/result/stock_figures.hpp"
 #include "report/budget.hpp"
 #include "report/compensation.hpp"
 #include "report/deflection.hpp"
@@ -105,6 +106,7 @@ struct ReportInputs {
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
   std::optional<CompensationFigures> compensation;
   std::optional<RegistrationFigures> registration;  ///< where `millpose register` found the part's place
+  std::optional<StockFigures> stock;                ///< where the job has a raw part
   std::optional<LostMotionReport> lost_motion;      ///< of every plan
   std::optional<Budget> budget;                     ///< likewise
   std::vector<FaceChoice> faces;                    ///< where whole ways are judged by the face

@@ -27,6 +27,8 @@ std::string ToString(Infeasibility obstacle) {
       return "over_missing";
     case Infeasibility::kIncomplete:
       return "incomplete";
+    case Infeasibility::kStock:
+      return "stock";
   }
   return "unknown";
 }

@@ -21,6 +21,7 @@ enum class Infeasibility : uint8_t {
   kAccess,       ///< no way leads to its piece or from it
   kOverMissing,  ///< would cut what was to be cut by skipped points before it
   kIncomplete,   ///< other points of a pass that is milled whole or not at all (a hole) are skipped
+  kStock,        ///< what hangs on the tool would meet material that still stands
 };
 
 /// The word in points.csv, summary.json and reports.

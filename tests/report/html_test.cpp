@@ -234,7 +234,7 @@ TEST(ReportHtml, ShowsPredictedDeflectionsWhereThereAreSome) {
 // The page names what the plan has as a number.
 TEST(ReportHtml, KnowsEveryReasonForSkipping) {
   std::string reasons = "[\"\"";
-  for (int i = 1; i <= static_cast<int>(Infeasibility::kIncomplete); ++i)
+  for (int i = 1; i <= static_cast<int>(Infeasibility::kStock); ++i)
     reasons += fmt::format(", \"{}\"", ToString(static_cast<Infeasibility>(i)));
   EXPECT_NE(SmallPage().find("m.SKIP_REASONS = " + reasons + "];"), std::string::npos) << reasons;
 }

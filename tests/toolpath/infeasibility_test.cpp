@@ -18,9 +18,9 @@ TEST(Infeasibility, OfPosesTheGreatestCameNearest) {
 
 TEST(Infeasibility, EachHasAWordOfItsOwn) {
   std::set<std::string> words;
-  for (int i = 0; i <= static_cast<int>(Infeasibility::kIncomplete); ++i)
+  for (int i = 0; i <= static_cast<int>(Infeasibility::kStock); ++i)
     words.insert(ToString(static_cast<Infeasibility>(i)));
-  EXPECT_EQ(words.size(), static_cast<size_t>(Infeasibility::kIncomplete) + 1);
+  EXPECT_EQ(words.size(), static_cast<size_t>(Infeasibility::kStock) + 1);
   EXPECT_FALSE(words.contains("unknown"));
 }
 

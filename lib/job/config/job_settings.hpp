@@ -37,6 +37,16 @@ struct RegisteredSettings {
 /// What the workpiece's pose or measured points are given in.
 enum class GivenFrame : uint8_t { kWorld, kRobotBase };
 
+/// Raw parts that need no file, in P.
+struct StockBox {
+  Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();  ///< corners, mm
+};
+struct StockCylinder {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of its first end, mm
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   ///< from there to the other, unit
+  double radius = 0, length = 0;                     ///< mm
+};
+
 struct WorkpieceSettings {
   std::string mesh_file;
   double unit = 1;  ///< mm per unit of the file: 1, 10, 25.4, 1000
@@ -53,7 +63,12 @@ struct WorkpieceSettings {
   int step_memory = 2048;                        ///< MB, likewise
   std::string stock_file;                        ///< mesh of the raw part; empty: none
   double stock_unit = 1;                         ///< mm per unit of it
+  std::optional<StockBox> stock_box;             ///< in its place
+  std::optional<StockCylinder> stock_cylinder;   ///< likewise
+  double stock_resolution = 0.5;                 ///< mm, between the lines on which material stands
   std::optional<double> allowance;  ///< material on the part's surface, mm; else toolpath.depth.total
+
+  bool HasStock() const { return !stock_file.empty() || stock_box || stock_cylinder; }
 };
 
 /// What the cutter takes off, for the cutting force (docs/process-force.md).

@@ -93,15 +93,52 @@ void CheckPlacement(const Value& value, const Context& context, WorkpieceSetting
   CheckRegistered(value, context, workpiece);
 }
 
+Codec<StockBox> StockBoxFields() {
+  using S = StockBox;
+  return Section<S>(
+      {Key<S>("lower_mm", MILLPOSE_AT(lower), Coordinates(), "Its corner with the least x, y, z.").Required(),
+       Key<S>("upper_mm", MILLPOSE_AT(upper), Coordinates(), "The opposite corner.").Required()},
+      [](const Value& value, const Context& context, const S& box) {
+        if ((box.upper - box.lower).minCoeff() <= 0)
+          context.Add(value.mark, "is empty; allowed: upper_mm above lower_mm along x, y and z");
+      });
+}
+
+Codec<StockCylinder> StockCylinderFields() {
+  using S = StockCylinder;
+  return Section<S>(
+      {Key<S>("centre_mm", MILLPOSE_AT(centre), Coordinates(), "Centre of its first end.").Required(),
+       Key<S>("axis", MILLPOSE_AT(axis), Direction(), "From there to the other end."),
+       Key<S>("radius_mm", MILLPOSE_AT(radius), Real(kMm, Positive(1e5)), "Of the cylinder.").Required(),
+       Key<S>("length_mm", MILLPOSE_AT(length), Real(kMm, Positive(1e5)), "Along the axis.").Required()});
+}
+
+void CheckStock(const Value& value, const Context& context, const WorkpieceSettings& workpiece) {
+  const bool mesh = value.FindKey("mesh") != nullptr;
+  const int given = (mesh ? 1 : 0) + (workpiece.stock_box ? 1 : 0) + (workpiece.stock_cylinder ? 1 : 0);
+  if (given != 1) context.Add(value.mark, "give one of mesh, box and cylinder");
+  const Value::Key* unit = value.FindKey("unit");
+  if (mesh && !unit) context.Add(value.mark, "unit: missing; required with mesh");
+  if (!mesh && unit) context.Child("unit").Add(unit->mark, "has no effect without mesh");
+}
+
 Codec<WorkpieceSettings> StockFields() {
   using S = WorkpieceSettings;
-  return Section<S>({
-      Key<S>("mesh", MILLPOSE_AT(stock_file), Text(), "Mesh or STEP file, relative to the job file.")
-          .Required(),
-      Key<S>("unit", MILLPOSE_AT(stock_unit), LengthUnit(),
-             "Unit of the mesh file; of a STEP file the one that it states.")
-          .Required(),
-  });
+  const auto by_file = [](const S& s) { return !s.stock_file.empty(); };
+  return Section<S>(
+      {
+          Key<S>("mesh", MILLPOSE_AT(stock_file), Text(),
+                 "Mesh or STEP file, relative to the job file; or box or cylinder.")
+              .WhenSet(by_file),
+          Key<S>("unit", MILLPOSE_AT(stock_unit), LengthUnit(),
+                 "Unit of the mesh file; of a STEP file the one that it states.")
+              .WhenSet(by_file),
+          Key<S>("box", MILLPOSE_AT(stock_box), Maybe(StockBoxFields()), "A box along the workpiece's axes."),
+          Key<S>("cylinder", MILLPOSE_AT(stock_cylinder), Maybe(StockCylinderFields()), "A round bar."),
+          Key<S>("resolution_mm", MILLPOSE_AT(stock_resolution), Real(kMm, Between(0.05, 10)),
+                 "Between the lines on which it is known where material stands (docs/stock.md)."),
+      },
+      CheckStock);
 }
 
 }  // namespace
@@ -155,10 +192,11 @@ Codec<WorkpieceSettings> WorkpieceFields() {
                  "What the reading of a STEP file may take."),
           Key<S>("allowance_mm", MILLPOSE_AT(allowance), Maybe(Real(kMm, UpTo(1000))),
                  "Material on the part's surface, added to every clearance from it.")
-              .DefaultText("toolpath.depth.total_mm"),
+              .DefaultText("toolpath.depth.total_mm, with workpiece.stock 0"),
           Key<S>("stock", kSelf, StockFields(),
-                 "The raw part, kept clear of between the cuts; in the workpiece's frame.")
-              .WhenSet([](const S& s) { return !s.stock_file.empty(); }),
+                 "The raw part, in the workpiece's frame: kept clear of between the cuts, and milled away "
+                 "cut by cut.")
+              .WhenSet([](const S& s) { return s.HasStock(); }),
       },
       CheckPlacement);
 }

@@ -15,7 +15,7 @@
   const uint32 = (text) => new Uint32Array(bytes(text));
   const uint16 = (text) => new Uint16Array(bytes(text));
 
-  m.SKIP_REASONS = ["", "unreachable", "limit", "singular", "interference", "step", "source", "gouge", "access", "over_missing", "incomplete"];
+  m.SKIP_REASONS = ["", "unreachable", "limit", "singular", "interference", "step", "source", "gouge", "access", "over_missing", "incomplete", "stock"];
   m.KINDS = ["cut", "lead-in", "lead-out"];
 
   // Least and largest finite value, with the shares of the sorted values in between on request.

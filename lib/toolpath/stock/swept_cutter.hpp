@@ -23,6 +23,12 @@ struct CutterMotion {
   int pass = 0;
 };
 
+/// What one tool takes off, in P; the cutter's length is its cutting length.
+struct CutsOfTool {
+  CutterShape cutter;
+  std::vector<CutterMotion> motions;
+};
+
 /// The height along a ray's normal to which material stands, mm from its origin.
 struct RayHeight {
   double height = std::numeric_limits<double>::infinity();

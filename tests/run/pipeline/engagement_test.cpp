@@ -151,7 +151,7 @@ TEST(SetJobEngagement, WhatCannotBeOrContradictsThePathIsNamed) {
          "width_mm: is taken from path and stock where no side is given");
   expect({{"process.cutting.side", "up"}, {"toolpath.scallop_mm", "0.01"}},
          "process.cutting.width_mm: missing; required with side up");
-  expect({{"process.stock", "mesh"}}, "process.stock: given mesh; the job needs workpiece.stock.mesh");
+  expect({{"process.stock", "mesh"}}, "process.stock: given mesh; the job needs workpiece.stock");
 }
 
 TEST(CountWhatIsLeft, SaysNothingWhereNothingIsSkippedAndChangesNothing) {

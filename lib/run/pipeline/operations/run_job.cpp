@@ -5,7 +5,9 @@
 #include "base/file.hpp"
 #include "base/hash.hpp"
 #include "base/named_progress.hpp"
+#include "job/assemble.hpp"
 #include "job/step_meshes.hpp"
+#include "planning/standing/leave_in_stock.hpp"
 #include "run/pipeline/operations/whole_report.hpp"
 #include "run/pipeline/outputs/run_record.hpp"
 #include "run/pipeline/outputs/up_to_date.hpp"
@@ -29,20 +31,36 @@ void AddResults(const std::string& name, const std::vector<DoneOperation>& opera
   }
 }
 
+bool AnyHasStock(const std::vector<JobInputs>& inputs) {
+  return std::ranges::any_of(inputs, [](const JobInputs& own) { return own.job.workpiece.HasStock(); });
+}
+
+PlanResult StagedPlan(const ResultSet& results, const std::string& operation, const FileRoot& root) {
+  const fs::path file = results.staged() / kOperationsFolder / operation / kPlanFile;
+  return ParsePlanResult(root.Read(file), file.string());
+}
+
 /// Each planned into `whole`, which is null where only a share is.
 PlanOutcome PlanEach(const PlanArguments& arguments, const std::vector<JobInputs>& inputs,
                      const OutputFolder& folder, ResultSet* whole, Stages& stages,
                      const std::stop_token& stop) {
   PlanOutcome all;
+  std::vector<CutsOfTool> cuts;
+  std::string before;
   for (size_t i = 0; i < inputs.size(); ++i) {
     const std::string& name = inputs[i].job.operation;
     PlanArguments own = arguments;
     own.operation = i;
+    if (whole && inputs[i].job.workpiece.HasStock()) own.cut_before = cuts, own.before = before;
     NamedProgress told(stages, name);
     const PlanOutcome outcome =
         PlanOperation(own, folder.Operation(OperationFolder(i, name)), whole, told, stop);
     all.exit_status = std::max(all.exit_status, outcome.exit_status);
     if (arguments.share) all.text += fmt::format("operation {}: {}", name, outcome.text);
+    if (!whole || !AnyHasStock(inputs)) continue;
+    before += inputs[i].hash + '\0';
+    cuts.push_back(CutsOf(StagedPlan(*whole, OperationFolder(i, name), arguments.root),
+                          MakeCutterShape(inputs[i].cell.tool)));
   }
   return all;
 }

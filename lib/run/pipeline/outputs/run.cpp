@@ -2,6 +2,7 @@
 #include "run/pipeline/outputs/run.hpp"
 
 #include "base/error.hpp"
+#include "base/hash.hpp"
 #include "job/assemble.hpp"
 #include "job/config/config.hpp"
 #include "job/step_meshes.hpp"
@@ -25,6 +26,7 @@ JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
   JobInputs inputs =
       LoadJobInputs(arguments.job, OverridesOf(arguments), {}, arguments.root, arguments.operation);
   inputs.max_points = arguments.max_points;
+  inputs.cut_before = arguments.cut_before;
   inputs.trajectory = arguments.trajectory;
   CheckPrograms(inputs);
   if (arguments.face) RequireFace(inputs);
@@ -79,6 +81,11 @@ void RefuseOperation(const std::filesystem::path& out) {
                     operations.parent_path().string(), (operations.parent_path() / "job.yaml").string()));
 }
 
+// Whose plan stands in a folder: of the inputs, and of what operations before have left of the raw part.
+std::string KeyOf(const JobInputs& inputs, const PlanArguments& arguments) {
+  return arguments.before.empty() ? inputs.hash : Hash(inputs.hash + '\0' + arguments.before);
+}
+
 // What `inputs` are planned into: checkpoints into `folder`, results into what `results` makes.
 struct Destination {
   const OutputFolder& folder;
@@ -107,14 +114,14 @@ Planned WritePlanned(const PlanArguments& arguments, const JobInputs& inputs, co
   const ReportInputs report =
       WriteResults({inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
                     job.prepared.warnings, findings, CurveGrid(), parts, timeline, job.fixed, job.faces,
-                    job.prepared.heaviest, job.compensation_remains, std::move(face), execution},
+                    job.prepared.heaviest, job.compensation_remains, job.stock, std::move(face), execution},
                    results);
   stages.End(to.folder.path().string());
   RunFigures run = EndRun(begun, stages, execution.Threads());
   run.resumed_passes = job.resumed_passes;
   run.resumed_gaps = job.resumed_gaps;
   AddMeshes(inputs, &results);
-  run.manifest = results.AddManifest(inputs.hash);
+  run.manifest = results.AddManifest(KeyOf(inputs, arguments));
   run.exit_status = IsComplete(job.plan, report) ? 0 : 1;
   run.told = SummaryText(job.plan, report, run);
   results.AddRun(RunJson(run));
@@ -128,7 +135,7 @@ Planned PlanInto(const Destination& to, const PlanArguments& arguments, JobInput
   const FolderCheckpoints checkpoints(to.folder, !arguments.fresh);
   if (!arguments.fresh) {
     TakeCachedMeshes(to.folder, &inputs);
-    const auto standing = FindExistingPlan(to.folder.path(), inputs.hash, begun);
+    const auto standing = FindExistingPlan(to.folder.path(), KeyOf(inputs, arguments), begun);
     if (standing && !arguments.share) return {{standing->exit_status, standing->told + kUnchanged}, false};
   }
   stages.Begin(SurfaceStage(inputs), 0);  // which PrepareJob goes on with

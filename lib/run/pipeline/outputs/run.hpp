@@ -29,6 +29,8 @@ struct PlanArguments {
   std::optional<double> trajectory;          ///< s between the rows of trajectory-<controller>.csv
   FileRoot root;                             ///< that all files must lie in; with it also a folder by default
   std::optional<size_t> operation;           ///< which one, of a job with several
+  std::vector<CutsOfTool> cut_before;        ///< JobInputs::cut_before
+  std::string before;                        ///< hash of what these depend on; empty: nothing
   std::optional<Share> share;                ///< plan only these passes, leave them as checkpoints, and end
 };
 

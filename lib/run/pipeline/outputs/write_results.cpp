@@ -192,6 +192,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   for (const CheckedProgram& program : programs)
     if (report.compensation && program.under_load)
       report.compensation->programs.push_back({program.controller, program.under_load->largest});
+  report.stock = results.stock;
   report.registration =
       ErrorOfRegistration(results.inputs.job, plan, FinishedFrom(results.inputs.job, plan.passes.size()));
   if (report.registration)

@@ -30,7 +30,8 @@ struct Results {
   const std::vector<FaceChoice>& faces;
   const std::optional<CuttingForce>& heaviest;  ///< where the job says what is cut
   std::optional<double> compensation_remains;
-  std::optional<FaceReport> face;  ///< where it was asked for
+  std::optional<StockFigures> stock = std::nullopt;  ///< where the job has a raw part
+  std::optional<FaceReport> face;                    ///< where it was asked for
   const Execution& execution;
 };
 

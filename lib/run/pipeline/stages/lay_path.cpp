@@ -33,7 +33,8 @@ LaidPathOfJob Lay(const LayingInputs& laying, const Execution& execution) {
 
 LayingInputs MakeLayingInputs(const JobInputs& inputs, const Mesh& mesh) {
   LayingInputs laying{InputsOfToolpath(inputs), mesh, {}};
-  laying.key = StageKey(laying.inputs.hash, laying.inputs.max_points, mesh.triangles());
+  laying.key =
+      StageKey(laying.inputs.hash, laying.inputs.max_points, mesh.triangles(), laying.inputs.cut_before);
   return laying;
 }
 

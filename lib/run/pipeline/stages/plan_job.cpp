@@ -8,6 +8,7 @@
 #include "job/lean_freedoms.hpp"
 #include "job/locate.hpp"
 #include "job/plausible.hpp"
+#include "job/raw_stock.hpp"
 #include "planning/links/job_planner.hpp"
 #include "planning/pass/nominal_plan.hpp"
 #include "planning/pass/pass_checks.hpp"
@@ -93,6 +94,26 @@ size_t FixRevolutions(const JobInputs& inputs, const PoseProblem& problem, PlanR
                                              !DependsOnFeed(inputs.job, *problem.objective)});
 }
 
+// Pieces that would meet what still stands of the raw part, with their own ways to and from them.
+int LeaveInRawStock(const JobInputs& inputs, const Execution& execution, PlannedJob& job) {
+  const Triangles raw = RawStock(inputs);
+  if (raw.faces.empty()) return 0;
+  size_t pieces = 0;
+  for (const PassResult& pass : job.plan.passes) pieces += pass.pieces.size();
+  execution.progress.Begin("stock", pieces);
+  StandingStock stock(raw, inputs.job.workpiece.stock_resolution);
+  for (const CutsOfTool& cuts : inputs.cut_before)
+    stock.Remove(cuts.cutter, cuts.motions, execution.Threads(), execution.stop);
+  const StockFigures figures =
+      LeaveInStock(job.prepared.cell, MakeCutterShape(inputs.cell.tool), stock, execution, job.plan);
+  const int left_out = figures.left_out + (job.stock ? job.stock->left_out : 0);
+  job.stock = figures;
+  job.stock->left_out = left_out;
+  execution.progress.End(
+      fmt::format("{:.0f} of {:.0f} cm3 milled off", figures.removed / 1e3, figures.blank / 1e3));
+  return figures.left_out;
+}
+
 // Passes come in their directions and turns, then the ways between them.
 void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution,
               PlannedJob& job) {
@@ -116,11 +137,17 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   PlannedLinkMoves gaps =
       PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution);
   job.resumed_gaps = gaps.resumed;
-  while (leave_over_missing() > 0)  // over pieces that no way leads to
-    gaps = PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution);
   plan.gaps = std::move(gaps.gaps);
+  const auto plan_gaps = [&] {
+    plan.gaps = PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution).gaps;
+  };
+  while (leave_over_missing() > 0) plan_gaps();  // over pieces that no way leads to
   execution.progress.End(
       fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), job.resumed_gaps));
+  while (LeaveInRawStock(inputs, execution, job) > 0) {
+    leave_over_missing();
+    plan_gaps();
+  }
   execution.progress.Begin("fixed rotations", 0);
   job.fixed = KeptComparison(inputs, job.prepared, plan.passes, checkpoints, execution);
   execution.progress.End(fmt::format("{} points compared", job.fixed.plan.size()));
@@ -219,7 +246,7 @@ PreparedJob PrepareJob(const JobInputs& inputs, const CheckpointStore& checkpoin
 
 PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
   CheckPrograms(inputs);
-  PlannedJob job{PrepareJob(inputs, checkpoints, execution), {}, {}, {}, {}, {}, {}, {}};
+  PlannedJob job{PrepareJob(inputs, checkpoints, execution), {}, {}, {}, {}, {}, {}, {}, {}};
   job.plan = StartPlan(inputs, job.prepared);
   PlannedPasses planned = PlanPassesOf(inputs, job.prepared, Share{}, checkpoints, execution);
   job.plan.passes = std::move(planned.passes);
@@ -263,8 +290,14 @@ TriedJob TryJob(const JobInputs& given, size_t most_points, const CheckpointStor
   tried.of_passes = prepared.toolpath.passes.size();
   tried.of_points = CountPoints(prepared.toolpath);
   const size_t most = std::max<size_t>(most_points, 1);
-  const Share sample{
-      0, std::clamp<size_t>((tried.of_points + most - 1) / most, 1, std::max<size_t>(tried.of_passes, 1))};
+  size_t longest = 0;
+  for (const Pass& pass : prepared.toolpath.passes) longest = std::max(longest, pass.points.size());
+  if (longest > 2 * most && inputs.job.toolpath.spacing > 0) {
+    inputs.job.toolpath.spacing *= static_cast<double>((longest + most - 1) / most);
+    prepared = PrepareJob(inputs, checkpoints, execution);
+  }
+  const Share sample{0, std::clamp<size_t>((CountPoints(prepared.toolpath) + most - 1) / most, 1,
+                                           std::max<size_t>(tried.of_passes, 1))};
   std::vector<PassResult> passes = PlanPassesOf(inputs, prepared, sample, checkpoints, execution).passes;
   const LinkMoveOptions options = MakeLinkMoveOptions(inputs.job);
   // Other poses at the ends are looked for only where those found lead nowhere: else they gain clearance

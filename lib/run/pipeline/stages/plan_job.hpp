@@ -11,6 +11,7 @@
 #include "planning/pass/fixed_rotation.hpp"
 #include "planning/pose/scorer.hpp"
 #include "planning/result/plan_result.hpp"
+#include "planning/standing/leave_in_stock.hpp"
 #include "run/pipeline/programs/make_programs.hpp"
 #include "run/pipeline/programs/start_programs.hpp"
 #include "run/pipeline/stages/choose_stations.hpp"
@@ -49,6 +50,7 @@ struct PlannedJob {
   FixedComparison fixed;          ///< with the best fixed rotations
   std::vector<FaceChoice> faces;  ///< by pass, where whole ways are judged by the face; else empty
   FeedReduction reduction;
+  std::optional<StockFigures> stock;           ///< where the job has a raw part
   std::optional<double> compensation_remains;  ///< median share of the deflection, where some is taken out
   JobPrograms programs;
   JobStarts starts;
@@ -76,8 +78,9 @@ struct TriedJob {
   std::string problem;               ///< the first of what would be a finding of its plan; empty: none
 };
 
-/// Plans every n-th pass of a job and the ways between these, with `most_points` points at most where passes
-/// are that short (one at least), rotations in steps of 2° and motions checked to 2 mm where the job asks for
+/// Plans every n-th pass of a job and the ways between these, with about `most_points` points: one pass at
+/// least, whose points are laid farther apart (`toolpath.spacing_mm`) where it has more than twice as many;
+/// rotations in steps of 2° and motions checked to 2 mm where the job asks for
 /// finer ones; no other passes, fixed rotations, programs or reports. What it leaves out may still have
 /// findings. Throws InputError for bad input; Interrupted.
 TriedJob TryJob(const JobInputs& inputs, size_t most_points, const CheckpointStore& checkpoints,
