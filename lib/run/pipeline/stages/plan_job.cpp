@@ -169,7 +169,30 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   execution.progress.End(fmt::format("{} ways", start_ends.size()));
 }
 
-PreparedJob Prepare(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
+/// Passes of more than twice `most` points keep every n-th of them, so that about `most` stay, their ends,
+/// and the ends of leads; returns whether one has.
+bool Thin(size_t most, Toolpath& toolpath) {
+  bool thinned = false;
+  for (Pass& pass : toolpath.passes) {
+    const std::vector<MillingPoint> all = std::move(pass.points);
+    const size_t every = all.size() > 2 * most ? (all.size() + most - 1) / most : 1;
+    pass.points.clear();
+    for (size_t i = 0; i < all.size(); ++i)
+      if (i % every == 0 || i + 1 == all.size() || all[i].kind != all[i - 1].kind ||
+          all[i].kind != all[i + 1].kind)
+        pass.points.push_back(all[i]);
+    thinned |= pass.points.size() < all.size();
+  }
+  return thinned;
+}
+
+/// Of a trial: about how many points a pass keeps, and how many all of them have as laid.
+struct Trial {
+  size_t most = 1, laid = 0;
+};
+
+PreparedJob Prepare(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution,
+                    Trial* trial = nullptr) {
   Progress& progress = execution.progress;
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
@@ -182,6 +205,11 @@ PreparedJob Prepare(const JobInputs& inputs, const CheckpointStore& checkpoints,
                            part.import.report.triangles, size.x(), size.y(), size.z()));
   LayingInputs laying = MakeLayingInputs(inputs, mesh);
   auto [made, heaviest] = LayPath(laying, checkpoints, execution);
+  if (trial) trial->laid = CountPoints(made.toolpath);
+  if (trial && Thin(trial->most, made.toolpath)) {
+    progress.Begin("fewer points", 0);
+    progress.End(fmt::format("{} of {} points, farther apart", CountPoints(made.toolpath), trial->laid));
+  }
   std::ranges::move(TellDoubts(DoubtsOf({inputs.cell, cell, &inputs.job, size, heaviest}), inputs),
                     std::back_inserter(made.findings));
   AddWorkpiece(inputs, mesh.triangles(), &cell);
@@ -285,18 +313,12 @@ TriedJob TryJob(const JobInputs& given, size_t most_points, const CheckpointStor
   JobInputs inputs = given;
   inputs.job.path.rotation_step = std::max(inputs.job.path.rotation_step, kCoarseStep);
   inputs.job.swept_resolution = std::max(inputs.job.swept_resolution, kCoarseSweep);
-  PreparedJob prepared = PrepareJob(inputs, checkpoints, execution);
+  Trial trial{std::max<size_t>(most_points, 1)};
+  PreparedJob prepared = WithPlaces(inputs, [&] { return Prepare(inputs, checkpoints, execution, &trial); });
   TriedJob tried;
   tried.of_passes = prepared.toolpath.passes.size();
-  tried.of_points = CountPoints(prepared.toolpath);
-  const size_t most = std::max<size_t>(most_points, 1);
-  size_t longest = 0;
-  for (const Pass& pass : prepared.toolpath.passes) longest = std::max(longest, pass.points.size());
-  if (longest > 2 * most && inputs.job.toolpath.spacing > 0) {
-    inputs.job.toolpath.spacing *= static_cast<double>((longest + most - 1) / most);
-    prepared = PrepareJob(inputs, checkpoints, execution);
-  }
-  const Share sample{0, std::clamp<size_t>((CountPoints(prepared.toolpath) + most - 1) / most, 1,
+  tried.of_points = trial.laid;
+  const Share sample{0, std::clamp<size_t>((CountPoints(prepared.toolpath) + trial.most - 1) / trial.most, 1,
                                            std::max<size_t>(tried.of_passes, 1))};
   std::vector<PassResult> passes = PlanPassesOf(inputs, prepared, sample, checkpoints, execution).passes;
   const LinkMoveOptions options = MakeLinkMoveOptions(inputs.job);
