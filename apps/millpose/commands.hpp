@@ -41,6 +41,7 @@ std::optional<double> MillimetresOf(const UnitOption& unit);
 void AddBatchCommand(CLI::App& app, Run& run);
 void AddCalibrateCommand(CLI::App& app, Run& run);
 void AddCheckCommand(CLI::App& app, Run& run);
+void AddCleanCommand(CLI::App& app, Run& run);
 void AddCompletionCommand(CLI::App& app, Run& run);
 void AddFaceCommand(CLI::App& app, Run& run);
 void AddFlatnessCommand(CLI::App& app, Run& run);
@@ -56,10 +57,10 @@ void AddStiffnessCommand(CLI::App& app, Run& run);
 void AddVerifyCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddInitCommand,      AddPlaceCommand,    AddPlanCommand,      AddVerifyCommand,
-    AddBatchCommand,     AddCheckCommand,    AddInspectCommand,   AddFaceCommand,
-    AddStiffnessCommand, AddIdentifyCommand, AddCalibrateCommand, AddFlatnessCommand,
-    AddRegisterCommand,  AddSchemaCommand,   AddManCommand,       AddCompletionCommand,
+    AddInitCommand,      AddPlaceCommand,      AddPlanCommand,     AddVerifyCommand,    AddBatchCommand,
+    AddCheckCommand,     AddInspectCommand,    AddFaceCommand,     AddStiffnessCommand, AddIdentifyCommand,
+    AddCalibrateCommand, AddFlatnessCommand,   AddRegisterCommand, AddCleanCommand,     AddSchemaCommand,
+    AddManCommand,       AddCompletionCommand,
 };
 
 }  // namespace millpose

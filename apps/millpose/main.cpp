@@ -40,9 +40,8 @@ void ToStderr(fmt::format_string<T...> format, T&&... values) {
 // What goes to stderr besides progress; JSON when progress is.
 void Report(const std::string& text, int status, bool json) {
   if (json) {
-    using Json = nlohmann::ordered_json;
-    const Json line{{"event", "error"}, {"status", status}, {"message", text}};
-    ToStderr("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
+    const nlohmann::ordered_json line{{"event", "error"}, {"status", status}, {"message", text}};
+    ToStderr("{}\n", line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   } else {
     ClearLine();  // a bar may stand there
     ToStderr("millpose: {}\n", text);

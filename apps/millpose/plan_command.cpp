@@ -12,11 +12,10 @@
 namespace millpose {
 namespace {
 
-// `verbose`: also what to do by hand before the programs run for the first time.
-int Plan(const PlanArguments& arguments, bool verbose, Session& session) {
+int Plan(const PlanArguments& arguments, Session& session) {
   const PlanOutcome outcome = RunJob(arguments, session.progress, session.stop);
   fmt::print("{}", outcome.text);
-  if (verbose)
+  if (arguments.verbose)
     fmt::print("{}",
                FirstRunText(LoadOperations(arguments.job, arguments.overrides, arguments.root).front()));
   return outcome.exit_status;
@@ -71,21 +70,22 @@ void AddPlanCommand(CLI::App& app, Run& run) {
                    "Write trajectory-<controller>.csv too, a row every so many s and at every point")
       ->check(CLI::Range(1e-3, 1e4))
       ->type_name("SECONDS");
-  const auto verbose = std::make_shared<bool>(false);
-  command->add_flag("-v,--verbose", *verbose,
-                    "Print too what to check by hand at each controller before a first run");
+  command->add_flag(
+      "-v,--verbose", arguments->verbose,
+      "Print all figures, warnings and findings, and what to check by hand at each controller before a "
+      "first run");
   command->add_flag("--fresh", arguments->fresh, "Ignore checkpoints of earlier runs");
   command->add_option("--max-points", arguments->max_points, "Points that the tool path may have")
       ->check(CLI::Range(1.0, 1e9))
       ->capture_default_str();
   const RootOption root = AddRootOption(*command);
-  command->callback([&run, arguments, changes, share, axis_map, verbose, root] {
-    run = [arguments, changes, share, axis_map, verbose, root](Session& session) {
+  command->callback([&run, arguments, changes, share, axis_map, root] {
+    run = [arguments, changes, share, axis_map, root](Session& session) {
       arguments->root = FileRoot::Of(*root);
       if (!share->empty()) arguments->share = ParseShare(*share);
       arguments->full_axis_map = *axis_map == "full";
       for (const std::string& change : *changes) arguments->overrides.push_back(ParseOverride(change));
-      return Plan(*arguments, *verbose, session);
+      return Plan(*arguments, session);
     };
   });
 }

@@ -125,17 +125,32 @@ Budget MakeBudget(const DeflectionReport* deflection, const LostMotionReport& lo
   return budget;
 }
 
-std::string BudgetText(const Budget& budget) {
+namespace {
+
+std::vector<std::string> LargestThree(const Budget& budget) {
   const std::vector<const BudgetRow*> stated = budget.Largest();
   std::vector<std::string> parts;
   for (size_t i = 0; i < std::min<size_t>(3, stated.size()); ++i)
     parts.push_back(fmt::format("{} {:.3g} µm", stated[i]->name, kMicrometresInMm * *stated[i]->largest));
-  const std::vector<std::string> left_out = budget.LeftOut();
+  return parts;
+}
+
+}  // namespace
+
+std::string BudgetText(const Budget& budget) {
+  const std::vector<std::string> parts = LargestThree(budget), left_out = budget.LeftOut();
   if (parts.empty())
     return fmt::format("nothing is stated of the face's error: {}", fmt::join(left_out, ", "));
   return fmt::format(
       "of the face's error along its normal: {}; {:.3g} µm together, without {}, which nothing states",
       fmt::join(parts, ", "), kMicrometresInMm * budget.Sum(), fmt::join(left_out, ", "));
+}
+
+std::string BudgetBrief(const Budget& budget) {
+  const std::vector<std::string> parts = LargestThree(budget), left_out = budget.LeftOut();
+  if (parts.empty()) return "of its error nothing is stated (docs/budget.md)";
+  return fmt::format("off by up to {:.3g} µm along its normal: {}; not stated: {}",
+                     kMicrometresInMm * budget.Sum(), fmt::join(parts, ", "), fmt::join(left_out, ", "));
 }
 
 }  // namespace millpose

@@ -40,5 +40,7 @@ Budget MakeBudget(const DeflectionReport* deflection, const LostMotionReport& lo
 
 /// One line for the terminal, without a line end: the largest three, their sum and what that leaves out.
 std::string BudgetText(const Budget& budget);
+/// The same in fewer words.
+std::string BudgetBrief(const Budget& budget);
 
 }  // namespace millpose

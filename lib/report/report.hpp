@@ -141,7 +141,8 @@ struct RunFigures {
   std::string manifest;  ///< hash of manifest.json: whose plan this run.json belongs to
   std::string asked;     ///< of the run, beside its inputs: what results depend on
   int exit_status = 0;
-  std::string told;  ///< SummaryText
+  std::string told;     ///< BriefText
+  std::string details;  ///< SummaryText: what `plan -v` prints in its place; empty where there is no more
 };
 
 /// Best (smallest), median and worst (largest) of one index over the planned points; empty when there is
@@ -198,6 +199,11 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs);
 std::string RunJson(const RunFigures& figures);
 
 /// The screenful that `plan` prints.
+/// What a run ends with on the terminal, twelve lines at most: done or not and why, programs, cycle times,
+/// clearance, the face's error with its largest sources, findings, warnings, where the report is. `folder`:
+/// of the results.
+std::string BriefText(const PlanResult& plan, const ReportInputs& inputs, const std::string& folder);
+
 std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, const RunFigures& run);
 
 }  // namespace millpose

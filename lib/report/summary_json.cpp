@@ -385,6 +385,7 @@ std::string RunJson(const RunFigures& figures) {
   json["asked"] = figures.asked;
   json["exit_status"] = figures.exit_status;
   json["told"] = figures.told;
+  json["details"] = figures.details;
   // Folders need not be named in UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

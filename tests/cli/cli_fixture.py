@@ -28,7 +28,7 @@ def run(*arguments, cwd=None, env=None, timeout=300):
 
 def plan(folder, *arguments, changes=FEW):
     sets = [word for change in changes for word in ("--set", change)]
-    return run("plan", JOB, "-o", folder, *sets, *arguments)
+    return run("plan", JOB, "-o", folder, "-v", *sets, *arguments)
 
 
 def tree(folder):

@@ -207,7 +207,7 @@ class OtherFiles(InFolder):
         (self.folder / "job.yaml").write_text(text.replace("[2076, 0, 1006]", "[9076, 0, 1006]"))
         result = run("plan", self.folder / "job.yaml", "-q")
         self.assertEqual(result.returncode, 1, result.stderr)
-        self.assertIn("points     0 planned of 210", result.stdout)
+        self.assertIn("support_pad on kr500_r2830: 0 of 210 points in 10 passes", result.stdout)
         for word in ("median", "lambda_", "against", "nan", "objective "):
             self.assertNotIn(word, result.stdout)
 

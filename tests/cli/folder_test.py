@@ -231,5 +231,23 @@ class Folder(InFolder):
             xml.parse(file)
 
 
+class Clean(InFolder):
+    def test_takes_the_checkpoints_and_leaves_what_verify_needs(self):
+        out = self.folder / "out"
+        self.assertEqual(run("plan", JOB, "-o", out, *SETS).returncode, 0)
+        before = tree(out)
+        told = run("clean", out, "--dry-run")
+        self.assertRegex(told.stdout, r"^ +\d+\.\d MB in ")
+        self.assertTrue(any((out / "checkpoints").iterdir()))
+        told = run("clean", out)
+        self.assertEqual((told.returncode, tree(out)), (0, before), told.stderr)
+        self.assertFalse((out / "checkpoints").exists() and any((out / "checkpoints").iterdir()))
+        self.assertEqual(run("verify", out).returncode, 0)
+        self.assertIn("unchanged", run("plan", JOB, "-o", out, *SETS).stdout)
+        refused = run("clean", out, self.folder)
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("is no output folder of millpose", refused.stderr)
+
+
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

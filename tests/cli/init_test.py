@@ -60,7 +60,7 @@ class Init(InFolder):
         return run("init", *arguments, "-q", cwd=self.folder)
 
     def assert_plans(self, folder):
-        planned = run("plan", folder / "job.yaml", "-q")
+        planned = run("plan", folder / "job.yaml", "-q", "-v")
         self.assertEqual(planned.returncode, 0, planned.stdout + planned.stderr)
         self.assertRegex(planned.stdout, r"points +(\d+) planned of \1, 0 skipped")
         self.assertTrue(any(folder.glob("*.out/programs/linuxcnc/*.ngc")))

@@ -53,7 +53,7 @@ class Bench:
     def plan(self, job, out, *arguments, timeout=600):
         """Plans into the folder `out` of the bench; returns (finished process, folder)."""
         folder = self.top / out
-        return self.run("plan", job, "-o", folder, *arguments, timeout=timeout), folder
+        return self.run("plan", job, "-v", "-o", folder, *arguments, timeout=timeout), folder
 
     def audit(self, folder, job, *arguments, timeout=3600):
         """What the independent judge says: (status, its JSON)."""

@@ -21,7 +21,7 @@ class Tools(InFolder):
         job = re.sub(r"(      - \{at_mm: .*\n){7}", "", job, count=1).replace("../cabin_panel", str(TOP / "toolpaths" / "cabin_panel"))
         (self.folder / "job.yaml").write_text(job)
         (self.folder / "cell.yaml").write_text(cell)
-        return run("plan", self.folder / "job.yaml", "-o", self.folder / "out", "-q", *arguments)
+        return run("plan", self.folder / "job.yaml", "-o", self.folder / "out", "-q", "-v", *arguments)
 
     def program(self, controller):
         return self.folder / "out" / "programs" / controller / MAINS[controller]

@@ -320,6 +320,18 @@ class Register(Row):
                 "--propose", 0, "--threads", 1, "--write-job", self.job)
 
 
+class Clean(Row):
+    adds = True
+    quick = 3
+
+    def prepare(self):
+        (self.top / "job.yaml").write_text(self.text)
+        self.millpose("plan", self.top / "job.yaml", "-o", self.top / "out", "--threads", 1)
+
+    def command(self):
+        return MILLPOSE, "clean", self.top / "out"
+
+
 class Reads(Row):
     """A command that writes no file: not one operation is counted."""
 
@@ -346,7 +358,7 @@ class Flatness(Row):
 
 # What every command of the program's table writes with; what it only reads with, where it writes nothing.
 WRITERS = {"plan": (Plan, PlanOfOperations, Share), "batch": (Batch, BatchOnSlurm), "place": (Place,), "init": (Init,),
-           "identify": (Identify,), "calibrate": (Calibrate,), "register": (Register,), "face": (Face,), "check": (Check,), "stiffness": (Map,)}
+           "identify": (Identify,), "calibrate": (Calibrate,), "register": (Register,), "clean": (Clean,), "face": (Face,), "check": (Check,), "stiffness": (Map,)}
 READERS = {"verify": reading("verify", "@out"), "inspect": reading("inspect", "@out"), "flatness": Flatness,
            "schema": without_folder("schema", "job"), "man": without_folder("man"), "completion": without_folder("completion")}
 

@@ -20,6 +20,25 @@ std::vector<std::string> Cells(const std::string& line) {
   return cells;
 }
 
+// Whatever there is to tell: twelve lines, the rest counted.
+TEST(BriefText, HasTwelveLinesAtMost) {
+  const auto lines = [](const std::string& text) { return std::ranges::count(text, '\n'); };
+  for (const size_t count : {0, 1, 3, 4, 5, 8, 60}) {
+    ReportInputs inputs;
+    for (size_t i = 0; i < count; ++i) {
+      inputs.warnings.push_back(fmt::format("warned {}", i));
+      inputs.findings.push_back(fmt::format("found {}", i));
+    }
+    const std::string text = BriefText(SmallPlan(), inputs, "out");
+    EXPECT_LE(lines(text), 12) << text;
+    EXPECT_TRUE(text.ends_with("report     out/report.html\n")) << text;
+    EXPECT_EQ(text.starts_with("done "), count == 0 && text.find("INCOMPLETE") == std::string::npos) << text;
+    EXPECT_EQ(text.find("finding    found 0") != std::string::npos, count > 0) << text;
+    const std::string more = fmt::format("finding    {} more", count - 2);
+    EXPECT_EQ(text.find(more) != std::string::npos, count > 3) << text;
+  }
+}
+
 TEST(Report, FiguresAreThoseOfThePlannedPoints) {
   const PlanFigures figures = Figures(SmallPlan());
   EXPECT_EQ(figures.total, 4u);

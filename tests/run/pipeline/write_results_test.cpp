@@ -155,7 +155,7 @@ TEST(WriteResults, FeedsThatFallAreToldSlowestFirstAndTheRestCounted) {
   EXPECT_TRUE(
       Says({written.report.findings[0]},
            "the feed falls to 40 % (24.0 of 60.0 mm/min) at point 0 of pass 0: the acceleration of A5"));
-  EXPECT_TRUE(Says({written.report.findings[0]}, "below 50 % (`process.min_feed_share`)"));
+  EXPECT_TRUE(Says({written.report.findings[0]}, "below 50 % (process.min_feed_share)"));
   EXPECT_TRUE(Says(written.report.findings, "the feed falls like this in 2 stretches more"));
   EXPECT_TRUE(Says(written.report.warnings, "at points 20 to 21 of pass 1: the speed of A3 allows no more"));
   EXPECT_TRUE(Says(written.report.warnings, "the feed falls like this in 1 stretches more"));

@@ -124,7 +124,7 @@ PlanOutcome RunOperations(const PlanArguments& arguments, const JobOutline& outl
     outcome.text = PlanEach(arguments, inputs, folder, nullptr, stages, stop).text;
   } else if (const auto standing =
                  arguments.fresh ? std::nullopt : FindExistingPlan(out, KeyOf(inputs, out), begun)) {
-    outcome = {standing->exit_status, standing->told + kUnchanged};
+    outcome = {standing->exit_status, standing->Told(arguments.verbose) + kUnchanged};
   } else {
     outcome = PlanWhole(arguments, outline.name, inputs, folder, begun, stages, stop);
   }

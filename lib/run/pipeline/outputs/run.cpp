@@ -123,9 +123,10 @@ Planned WritePlanned(const PlanArguments& arguments, const JobInputs& inputs, co
   AddMeshes(inputs, &results);
   run.manifest = results.AddManifest(KeyOf(inputs, arguments));
   run.exit_status = IsComplete(job.plan, report) ? 0 : 1;
-  run.told = SummaryText(job.plan, report, run);
+  run.told = BriefText(job.plan, report, to.folder.path().string());
+  run.details = SummaryText(job.plan, report, run);
   results.AddRun(RunJson(run));
-  return {{run.exit_status, run.told}, true};
+  return {{run.exit_status, arguments.verbose ? run.details : run.told}, true};
 }
 
 Planned PlanInto(const Destination& to, const PlanArguments& arguments, JobInputs inputs, Stages& stages,
@@ -136,7 +137,8 @@ Planned PlanInto(const Destination& to, const PlanArguments& arguments, JobInput
   if (!arguments.fresh) {
     TakeCachedMeshes(to.folder, &inputs);
     const auto standing = FindExistingPlan(to.folder.path(), KeyOf(inputs, arguments), begun);
-    if (standing && !arguments.share) return {{standing->exit_status, standing->told + kUnchanged}, false};
+    if (standing && !arguments.share)
+      return {{standing->exit_status, standing->Told(arguments.verbose) + kUnchanged}, false};
   }
   stages.Begin(SurfaceStage(inputs), 0);  // which PrepareJob goes on with
   CutStepFiles(

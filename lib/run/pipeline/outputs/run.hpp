@@ -25,6 +25,7 @@ struct PlanArguments {
   bool face = false;                         ///< also the face that the plan will leave
   bool full_axis_map = false;                ///< check for interference all that report.html maps
   double max_points = 2e6;                   ///< that the tool path may have
+  bool verbose = false;                      ///< the outcome's text has all figures
   bool fresh = false;                        ///< ignore checkpoints
   std::optional<double> trajectory;          ///< s between the rows of trajectory-<controller>.csv
   FileRoot root;                             ///< that all files must lie in; with it also a folder by default

@@ -36,7 +36,8 @@ std::optional<ExistingPlan> FindExistingPlan(const std::filesystem::path& folder
     if (last.at("asked") != run.asked || last.at("job").at("file") != run.job.file ||
         last.at("job_folder").at("absolute") != run.job_folder.absolute)
       return std::nullopt;
-    return ExistingPlan{last.at("exit_status").get<int>(), last.at("told").get<std::string>()};
+    return ExistingPlan{last.at("exit_status").get<int>(), last.at("told").get<std::string>(),
+                        last.at("details").get<std::string>()};
   } catch (const nlohmann::json::exception&) {  // run.json says less
     return std::nullopt;
   }

@@ -13,7 +13,9 @@ namespace millpose {
 /// How a run in an output folder ended: what it told and its exit status.
 struct ExistingPlan {
   int exit_status = 0;
-  std::string told;
+  std::string told, details;  ///< as RunFigures has them
+
+  const std::string& Told(bool verbose) const { return verbose && !details.empty() ? details : told; }
 };
 
 /// What `plan` adds to what was told where nothing was planned again.

@@ -228,6 +228,9 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
         {program.controller, program.files.size(), BytesOf(program.files), post.Memory()});
   }
   AddStarts(results.starts, report, files);
+  // One sentence for terminal, pages, JUnit: keys are not set apart in any of them.
+  for (std::vector<std::string>* sentences : {&report.warnings, &report.findings})
+    for (std::string& sentence : *sentences) std::erase(sentence, '`');
   const std::string job = PlannedJobText(results.inputs.job), cell = WriteCell(results.inputs.cell);
   set.Add("job.yaml", job);
   set.Add("cell.yaml", cell);
