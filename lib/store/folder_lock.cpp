@@ -23,6 +23,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kLockFile = ".lock";
 constexpr const char* kOwnerPrefix = ".owner.";
 constexpr size_t kLongestOwner = 65536;  // bytes of such a file
+constexpr int kTakes = 3;                // of a lock that was busy and that nobody is known to have
 constexpr int kLooks = 50;               // for the one who has the lock
 constexpr std::chrono::milliseconds kBetweenLooks{20};
 
@@ -141,9 +142,13 @@ FolderLock::FolderLock(const fs::path& folder, FileLock::Kind kind) : lock_(fold
   // Before the lock is asked for: who has it has always said so, and of two that come at once where there are
   // no locks at least one sees the other.
   const bool said = TryWrite(self);
-  const FileLock::Outcome outcome = lock_.Take(kind);
+  FileLock::Outcome outcome = lock_.Take(kind);
   std::vector<Owner> others;
-  if (outcome == FileLock::Outcome::kBusy) others = HoldersOf(folder, self.file);
+  for (int again = 0; outcome == FileLock::Outcome::kBusy && again <= kTakes; ++again) {
+    others = HoldersOf(folder, self.file);
+    if (!others.empty()) break;
+    outcome = lock_.Take(kind);  // who had it has ended since
+  }
   if (outcome == FileLock::Outcome::kNoLocksHere) {
     others = OthersIn(folder, self.file);
     warning_ = fmt::format("{}: the file system has no locks: only {} keeps two runs in this folder apart",
