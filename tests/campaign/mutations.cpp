@@ -360,6 +360,16 @@ bool Mutant::MustPass() const {
   // What must have one value is held to it also where it is stated again before any motion.
   for (const char* word : {"VelSet", "AccSet", "GripLoad", "ActUnit"})
     if (before.starts_with(word)) return false;
+  // Data that readers hold to one form, though no trace tells them apart: a zone has one size for tip,
+  // orientation and axes; registers, frames and the frames of positions are the cell's; joint speeds do not
+  // exceed it; attributes are written in capitals, and nobody documents that others load.
+  for (const char* word : {"zonedata mp_", "UTOOL", "UFRAME", "PR[", "UF :", "#VEL_PTP"})
+    if (before.find(word) != std::string::npos) return false;
+  if (kind == "lower case" && (before.ends_with(",") || before.ends_with(";")) &&
+      before.find(" = ") != std::string::npos)
+    return false;
+  // 9E9 says that there is no such axis; no number near it does.
+  if (before.find("9E9") != std::string::npos && after.find("8.99999") != std::string::npos) return false;
   // The check of the controller's frame is read as one text.
   for (const char* word : {"MP_", "LOOP", "HALT", "ENDLOOP", "ENDIF"})
     if (before.find(word) != std::string::npos) return false;

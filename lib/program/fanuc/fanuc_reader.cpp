@@ -293,7 +293,8 @@ class FanucReader : public ProgramReader {
     const size_t start = scan.Next();
     const std::string how = scan.AcceptName().value_or("");
     if (SameWords(how, "FINE")) return {true, 0};
-    if (SameWords(how, "CNT0")) return {false, 0};
+    const bool zeros = how.size() > 3 && how.find_first_not_of('0', 3) == std::string::npos;
+    if (zeros && SameWords(how.substr(0, 3), "CNT")) return {false, 0};
     const bool known = !program_.corner_assumption.empty();
     const bool cnt = known && options_.acceleration_time && SameWords(how.substr(0, 3), "CNT"),
                region = known && options_.corner_region && SameWords(how.substr(0, 2), "CR");

@@ -64,9 +64,10 @@ class RapidReader : public RapidModuleReader {
   }
 
   static bool ReadBit(LineScanner& scan) {
-    const bool on = scan.Accept("1");
-    if (!on && !scan.Accept("0")) scan.Fail("0 or 1 expected");
-    return on;
+    const size_t start = scan.Next();
+    const double bit = scan.ExpectNumber();
+    if (bit != 0 && bit != 1) scan.FailFrom(start, "0 or 1 expected");
+    return bit == 1;
   }
 
   /// Statements that say one thing and must say it: what RapidSettings() lists.
