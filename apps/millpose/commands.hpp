@@ -43,6 +43,7 @@ void AddCalibrateCommand(CLI::App& app, Run& run);
 void AddCheckCommand(CLI::App& app, Run& run);
 void AddCleanCommand(CLI::App& app, Run& run);
 void AddCompletionCommand(CLI::App& app, Run& run);
+void AddDiffCommand(CLI::App& app, Run& run);
 void AddFaceCommand(CLI::App& app, Run& run);
 void AddFlatnessCommand(CLI::App& app, Run& run);
 void AddIdentifyCommand(CLI::App& app, Run& run);
@@ -57,10 +58,10 @@ void AddStiffnessCommand(CLI::App& app, Run& run);
 void AddVerifyCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddInitCommand,      AddPlaceCommand,      AddPlanCommand,     AddVerifyCommand,    AddBatchCommand,
-    AddCheckCommand,     AddInspectCommand,    AddFaceCommand,     AddStiffnessCommand, AddIdentifyCommand,
-    AddCalibrateCommand, AddFlatnessCommand,   AddRegisterCommand, AddCleanCommand,     AddSchemaCommand,
-    AddManCommand,       AddCompletionCommand,
+    AddInitCommand,     AddPlaceCommand,     AddPlanCommand,       AddVerifyCommand,   AddBatchCommand,
+    AddCheckCommand,    AddInspectCommand,   AddDiffCommand,       AddFaceCommand,     AddStiffnessCommand,
+    AddIdentifyCommand, AddCalibrateCommand, AddFlatnessCommand,   AddRegisterCommand, AddCleanCommand,
+    AddSchemaCommand,   AddManCommand,       AddCompletionCommand,
 };
 
 }  // namespace millpose

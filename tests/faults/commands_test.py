@@ -359,7 +359,7 @@ class Flatness(Row):
 # What every command of the program's table writes with; what it only reads with, where it writes nothing.
 WRITERS = {"plan": (Plan, PlanOfOperations, Share), "batch": (Batch, BatchOnSlurm), "place": (Place,), "init": (Init,),
            "identify": (Identify,), "calibrate": (Calibrate,), "register": (Register,), "clean": (Clean,), "face": (Face,), "check": (Check,), "stiffness": (Map,)}
-READERS = {"verify": reading("verify", "@out"), "inspect": reading("inspect", "@out"), "flatness": Flatness,
+READERS = {"verify": reading("verify", "@out"), "inspect": reading("inspect", "@out"), "diff": reading("diff", "@out", "@out"), "flatness": Flatness,
            "schema": without_folder("schema", "job"), "man": without_folder("man"), "completion": without_folder("completion")}
 
 

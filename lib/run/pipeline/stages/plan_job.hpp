@@ -79,9 +79,9 @@ struct TriedJob {
 };
 
 /// Plans every n-th pass of a job and the ways between these, with about `most_points` points: one pass at
-/// least, of which every n-th point is planned where it has more than twice as many; rotations in steps of 2° and motions checked to 2 mm where the job asks for
-/// finer ones; no other passes, fixed rotations, programs or reports. What it leaves out may still have
-/// findings. Throws InputError for bad input; Interrupted.
+/// least, of which every n-th point is planned where it has more than twice as many; rotations in steps of 2°
+/// and motions checked to 2 mm where the job asks for finer ones; no other passes, fixed rotations, programs
+/// or reports. What it leaves out may still have findings. Throws InputError for bad input; Interrupted.
 TriedJob TryJob(const JobInputs& inputs, size_t most_points, const CheckpointStore& checkpoints,
                 const Execution& execution);
 

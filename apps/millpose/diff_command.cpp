@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "commands.hpp"
+#include "run/pipeline/commands/diff_folders.hpp"
+
+namespace millpose {
+namespace {
+
+struct DiffWords {
+  DiffArguments arguments;
+  std::vector<std::string> fail_on;
+  bool json = false;
+};
+
+/// A section, any, or FIGURE:PERCENT.
+struct FailRule {
+  std::string of;
+  std::optional<double> percent;
+
+  bool Holds(const Change& change) const {
+    if (percent) return change.what == of && (!change.by || 100 * std::abs(*change.by) > *percent);
+    return of == "any" || change.section == of;
+  }
+};
+
+FailRule ParseRule(const std::string& text) {
+  const size_t colon = text.rfind(':');
+  if (colon == std::string::npos) {
+    if (text == "any" || std::ranges::find(kDiffSections, text) != kDiffSections.end()) return {text, {}};
+  } else if (const std::optional<double> percent = ParseNumber(text.substr(colon + 1));
+             percent && *percent >= 0) {
+    return {text.substr(0, colon), percent};
+  }
+  throw InputError(
+      SourceLocation{},
+      fmt::format("--fail-on: given {}; allowed: any, {}, or FIGURE:PERCENT like clearance_min_mm:10", text,
+                  fmt::join(kDiffSections, ", ")));
+}
+
+int Differ(const DiffWords& words) {
+  std::vector<FailRule> rules;
+  for (const std::string& text : words.fail_on) rules.push_back(ParseRule(text));
+  const std::vector<Change> changes = DiffFolders(words.arguments);
+  bool fails = false;
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Change& change : changes) {
+    const bool broken = std::ranges::any_of(rules, [&](const FailRule& rule) { return rule.Holds(change); });
+    fails = fails || broken;
+    if (!words.json) fmt::print("{}\n", change.Text());
+    nlohmann::ordered_json one{{"section", change.section},
+                               {"what", change.what},
+                               {"before", change.before},
+                               {"after", change.after}};
+    if (change.by) one["by_percent"] = 100 * *change.by;
+    if (!change.operation.empty()) one["operation"] = change.operation;
+    one["fails"] = broken;
+    list.push_back(std::move(one));
+  }
+  if (words.json)
+    fmt::print("{}\n", nlohmann::ordered_json{{"before", words.arguments.before.string()},
+                                              {"after", words.arguments.after.string()},
+                                              {"changes", list}}
+                           .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  else if (changes.empty())
+    fmt::print("no difference\n");
+  return fails ? kFindings : kDone;
+}
+
+}  // namespace
+
+void AddDiffCommand(CLI::App& app, Run& run) {
+  CLI::App* command = app.add_subcommand("diff",
+                                         "What two plans differ in: settings, points, poses, figures, "
+                                         "findings, programs by motion (docs/diff.md)");
+  const auto words = std::make_shared<DiffWords>();
+  command->add_option("BEFORE", words->arguments.before, "Output folder of millpose plan")->required();
+  command->add_option("AFTER", words->arguments.after, "The other")->required();
+  command
+      ->add_option(
+          "--fail-on", words->fail_on,
+          "End with status 1 where such a thing differs: any, settings, points, poses, figures, findings, "
+          "programs, or FIGURE:PERCENT, like clearance_min_mm:10; may be given again")
+      ->allow_extra_args(false);
+  command->add_flag("--json", words->json, "As JSON");
+  const RootOption root = AddRootOption(*command);
+  command->callback([&run, words, root] {
+    run = [words, root](Session&) {
+      words->arguments.root = FileRoot::Of(*root);
+      return Differ(*words);
+    };
+  });
+}
+
+}  // namespace millpose
