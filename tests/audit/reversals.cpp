@@ -100,10 +100,22 @@ Real Lever(const Folder& folder, const Row& row, size_t gear) {
   return (R_WP.transpose() * row.normal).dot(tip(kStep) - tip(-kStep)) / (2 * kStep);
 }
 
+/// Whether all of a row's pass stands on one line along the tool.
+bool IsDrilled(const Folder& folder, const Row& row) {
+  Real longest = 0;
+  for (const Row& other : folder.rows) {
+    if (other.pass != row.pass) continue;
+    const Vector3 way = other.position - row.position;
+    if (way.cross(row.axis).norm() > 1e-3L) return false;
+    longest = std::max(longest, way.norm());
+  }
+  return longest > 0.1L;
+}
+
 bool OfFace(const Folder& folder, const Row& row) {
   const int passes = folder.rows.back().pass + 1;
   const int from = passes - passes / static_cast<int>(folder.goal.layers.size());
-  if (!row.cut || row.pass < from) return false;
+  if (!row.cut || row.pass < from || IsDrilled(folder, row)) return false;
   const auto deflected = folder.deflected.find(row.point);
   return deflected == folder.deflected.end() || !deflected->second.air || folder.all_air;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 #include "base/units.hpp"
 #include "machine/robot/angles.hpp"
@@ -83,10 +84,32 @@ double HeightPerUnit(const GearMark& mark, const std::vector<ExternalAxis>& exte
   return mark.lever * UnitOf(mark.gear, external);
 }
 
+namespace {
+
+/// Whether a pass goes up and down along its tool axis alone, as a drilled hole does.
+bool IsBore(const PassResult& pass) {
+  constexpr double kBeside = 1e-3, kDeep = 0.1;  // mm
+  double deep = 0;
+  for (const PlannedPoint& planned : pass.points) {
+    const MillingPoint& first = pass.points.front().point;
+    const Vector3d beyond = planned.point.position - first.position;
+    const double along = beyond.dot(first.tool_axis);
+    if ((beyond - along * first.tool_axis).norm() > kBeside) return false;
+    deep = std::max(deep, std::abs(along));
+  }
+  return deep > kDeep;
+}
+
+}  // namespace
+
 FaceFilter OfFace(const std::vector<PassResult>& passes, int finished_from) {
-  return [compared = Compared(passes), finished_from](const PassResult& pass, const PlannedPoint& point) {
-    return pass.pass >= finished_from && compared(point);
-  };
+  std::set<int> bores;
+  for (const PassResult& pass : passes)
+    if (IsBore(pass)) bores.insert(pass.pass);
+  return
+      [compared = Compared(passes), bores, finished_from](const PassResult& pass, const PlannedPoint& point) {
+        return pass.pass >= finished_from && !bores.contains(pass.pass) && compared(point);
+      };
 }
 
 void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& pass,

@@ -89,7 +89,7 @@ struct GearCourse {
   std::vector<std::optional<double>> lever_sums;
 };
 /// Whether a point of a pass leaves the face: where it is Compared(), and its pass is one of those from
-/// `finished_from` on, which earlier layers are cut away by.
+/// `finished_from` on, which earlier layers are cut away by. A drilled hole has no face along its normal.
 using FaceFilter = std::function<bool(const PassResult& pass, const PlannedPoint& point)>;
 FaceFilter OfFace(const std::vector<PassResult>& passes, int finished_from);
 

@@ -184,5 +184,20 @@ TEST(GearCourse, ExternalAxesAreGearsToo) {
   EXPECT_NEAR(*course.errors[2], 0.01, 1e-12);
 }
 
+// A hole's joints turn back with every peck, and leave nothing on a face.
+TEST(GearCourse, DrilledHolesHaveNoFace) {
+  PlanResult plan = PlanOf({0, 1, 0, 1, 0}, 2);
+  GearModel model = Known(0.3);
+  ASSERT_FALSE(Follow(plan, model).marks.empty());
+  double deep = 0;
+  for (PlannedPoint& point : plan.passes.front().points) {
+    point.point.tool_axis = Vector3d::UnitZ();
+    point.point.position = Vector3d(10, 20, 5 - (deep = 3 - deep));
+  }
+  EXPECT_TRUE(Follow(plan, model).marks.empty());
+  plan.passes.front().points.back().point.position.x() += 0.5;  // a slot
+  EXPECT_FALSE(Follow(plan, model).marks.empty());
+}
+
 }  // namespace
 }  // namespace millpose
