@@ -6,13 +6,33 @@
 namespace millpose {
 namespace {
 
-// Puts the value at its place, making the maps on the way that are missing.
+// The entry of a list that has this name, such as an operation.
+config::Value& Named(config::Value& list, const std::string& name, const Override& change) {
+  std::vector<std::string> names;
+  for (config::Value& item : list.items) {
+    const config::Value* own = item.Find("name");
+    if (own == nullptr || own->kind != config::Value::Kind::kScalar) continue;
+    if (own->text == name) return item;
+    names.push_back(own->text);
+  }
+  throw InputError(change.place,
+                   fmt::format("--set {}: no entry is called {}; {}", change.path, name,
+                               names.empty() ? "none has a name: a list is given as a whole"
+                                             : fmt::format("allowed: {}", fmt::join(names, ", "))));
+}
+
+// Puts the value at its place, making the maps on the way that are missing; entries of lists go by their
+// name.
 void Apply(const Override& change, config::Value* root) {
   config::Value* place = root;
   for (size_t begin = 0; begin <= change.path.size();) {
     const size_t end = std::min(change.path.find('.', begin), change.path.size());
     const std::string key = change.path.substr(begin, end - begin);
     begin = end + 1;
+    if (place->kind == config::Value::Kind::kList) {
+      place = &Named(*place, key, change);
+      continue;
+    }
     if (place->kind != config::Value::Kind::kMap) *place = config::Value::Map();
     if (!place->Find(key)) place->Put(key, {});
     place = place->Find(key);

@@ -65,6 +65,18 @@ TEST(Operations, WhatALaterOneTakesOffIsOnThePartUntilThen) {
   EXPECT_EQ(ParseJob(stated, "job.yaml", {}, 0).workpiece.allowance, 1);
 }
 
+// --set and batches' `set` name an operation's key by the operation's name; other names are told.
+TEST(Operations, AreSetByName) {
+  const std::string name = OutlineOf(kWallJob, "job.yaml").operations.at(1);
+  const Override change = ParseOverride("operations." + name + ".process.feed_mm_min=321");
+  EXPECT_DOUBLE_EQ(ParseJob(kWallJob, "job.yaml", {change}, 1).feed, 321.0 / 60);
+  EXPECT_NE(ParseJob(kWallJob, "job.yaml", {change}, 0).feed, 321.0 / 60);
+  const std::string refusal = RefusalOf(
+      [&] { ParseJob(kWallJob, "job.yaml", {ParseOverride("operations.nobody.process.feed_mm_min=3")}, 0); });
+  EXPECT_NE(refusal.find("no entry is called nobody; allowed: "), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find(name), std::string::npos) << refusal;
+}
+
 TEST(Operations, AnOutlineNamesThem) {
   const JobOutline outline = OutlineOf(kWallJob, "job.yaml");
   EXPECT_EQ(outline.name, "wall");
