@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include "base/error.hpp"
 #include "commands.hpp"
 #include "run/batch/batch.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 
@@ -28,6 +30,8 @@ void AddBatchCommand(CLI::App& app, Run& run) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_flag("--fresh", arguments->fresh, "Ignore checkpoints and what is done");
+  command->add_option("--baseline", arguments->baseline,
+                      "Folder of an earlier batch: what differs from its plans joins each job's remarks");
   const auto use_slurm = std::make_shared<bool>(false);
   const auto slurm = std::make_shared<SlurmOptions>();
   command->add_flag("--slurm", *use_slurm, "Plan by array jobs of Slurm on a folder that all machines share");
@@ -49,6 +53,9 @@ void AddBatchCommand(CLI::App& app, Run& run) {
     run = [arguments, use_slurm, slurm, root](Session& session) {
       arguments->root = FileRoot::Of(*root);
       if (*use_slurm) arguments->slurm = *slurm;
+      if (!arguments->baseline.empty() && !IsOutputFolder(arguments->baseline))
+        throw InputError({arguments->baseline.string()},
+                         "is no output folder of millpose (it has no .millpose)");
       arguments->tell_running = session.doing;
       arguments->tell_left = session.left_by;
       const BatchOutcome outcome = RunBatch(*arguments, session.progress, session.stop);

@@ -74,6 +74,28 @@ class BatchCalls(InFolder):
         self.assertEqual(twice.returncode, 2)
         self.assertIn("is also the name of", twice.stderr)
 
+    def test_a_baseline_shows_what_has_changed(self):
+        def batch(out, more, *words):
+            (self.folder / "batch.yaml").write_text("millpose_batch: 1\njobs:\n" + "".join(
+                f"  - {{job: {JOB}, name: {name}, set: {{toolpath.stepover_mm: 40, toolpath.spacing_mm: 40{change}}}}}\n"
+                for name, change in more))
+            return run("batch", "batch.yaml", "-o", out, *words, cwd=self.folder)
+
+        self.assertEqual(batch("old", [("a", ""), ("b", "")]).returncode, 0)
+        now = batch("now", [("a", ""), ("b", ", process.feed_mm_min: 8, gaps.retract_mm: 5"), ("c", "")], "--baseline", "old")
+        self.assertLess(now.returncode, 2, now.stderr)
+        jobs = json.loads((self.folder / "now" / "batch.json").read_text())["jobs"]
+        self.assertEqual(jobs[0]["remarks"], [])
+        self.assertIn("baseline: settings   process.feed_mm_min: 80 -> 8", jobs[1]["remarks"])
+        self.assertIn("baseline: settings   gaps.retract_mm: 50 -> 5", jobs[1]["remarks"])
+        self.assertIn("baseline: points     6 points have another feed", jobs[1]["remarks"])
+        self.assertEqual(jobs[2]["remarks"], ["baseline: has no plan of this job"])
+        for page in ("index.html", "junit.xml"):
+            self.assertIn("has no plan of this job", (self.folder / "now" / page).read_text())
+        refused = batch("now", [("a", "")], "--baseline", "nowhere")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("nowhere: is no output folder of millpose", refused.stderr)
+
     def test_it_finds_its_own_program_where_there_is_no_proc(self):
         bare = ["unshare", "--mount", "sh", "-c", 'mount -t tmpfs none /proc && exec "$@"', "sh"]
         if subprocess.run([*bare, "true"], capture_output=True).returncode != 0:

@@ -13,6 +13,7 @@
 #include "report/summary_version.hpp"
 #include "run/batch/run_here.hpp"
 #include "run/batch/slurm.hpp"
+#include "run/pipeline/commands/diff_folders.hpp"
 #include "run/pipeline/operations/run_job.hpp"
 #include "run/pipeline/outputs/up_to_date.hpp"
 #include "store/output_folder.hpp"
@@ -219,6 +220,30 @@ std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) 
   }
 }
 
+namespace {
+
+/// What differs from the job's plan in another batch's folder, one line each.
+std::vector<std::string> ChangesFrom(const fs::path& baseline, const std::string& name,
+                                     const fs::path& folder, const FileRoot& root) {
+  constexpr size_t kMost = 50;
+  if (!IsOutputFolder(baseline / name)) return {"baseline: has no plan of this job"};
+  std::vector<std::string> lines;
+  try {
+    for (const Change& change : DiffFolders({baseline / name, folder, root}))
+      lines.push_back("baseline: " + change.Text());
+  } catch (const InputError& error) {
+    return {std::string("baseline: cannot be compared: ") + error.what()};
+  }
+  if (lines.size() > kMost) {
+    const size_t more = lines.size() - kMost;
+    lines.resize(kMost);
+    lines.push_back(fmt::format("baseline: {} more; millpose diff lists them", more));
+  }
+  return lines;
+}
+
+}  // namespace
+
 BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::stop_token stop) {
   std::vector<BatchJob> jobs = CollectJobs(arguments.jobs, arguments.root);
   for (BatchJob& job : jobs) job.max_points = arguments.max_points;
@@ -236,6 +261,12 @@ BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::
     outcomes = RunHere(jobs, folder.path(), arguments, threads, progress, stop);
   }
   for (size_t i = 0; i < jobs.size(); ++i) outcomes[i].cause = AtManifest(outcomes[i].cause, jobs[i]);
+  if (!arguments.baseline.empty())
+    for (size_t i = 0; i < jobs.size(); ++i)
+      if (outcomes[i].status <= 1)
+        std::ranges::move(
+            ChangesFrom(arguments.baseline, jobs[i].name, folder.path() / jobs[i].name, arguments.root),
+            std::back_inserter(outcomes[i].remarks));
   ResultSet results(folder, kBatchNames);
   results.Add("batch.json", BatchJson(jobs, outcomes));
   results.Add("batch.csv", BatchCsv(jobs, outcomes));

@@ -33,6 +33,7 @@ struct BatchArguments {
   bool fresh = false;                 ///< ignore checkpoints and what is done
   std::optional<SlurmOptions> slurm;  ///< plan on a cluster
   double max_points = 2e6;            ///< that the tool path of a job may have
+  std::filesystem::path baseline;     ///< folder of an earlier batch whose plans these are compared with
   FileRoot root;                      ///< that all files must lie in which jobs and manifests name
   /// Told the jobs that run whenever they change, one call at a time; not with Slurm.
   std::function<void(const std::string& names)> tell_running;
@@ -68,7 +69,8 @@ struct JobOutcome {
   bool up_to_date = false;            ///< done by an earlier run with the same inputs
   std::string cause;                  ///< lines, empty when all is well
   std::vector<std::string> findings;  ///< of a plan that is not complete: which points, gaps, programs
-  std::vector<std::string> remarks;   ///< of programs: confirmed but for a stated gap
+  /// Of programs: confirmed but for a stated gap. And what differs from the baseline.
+  std::vector<std::string> remarks;
   std::optional<size_t> points, planned;
   std::optional<JobFigures> figures;
   double wall_s = 0, peak_memory_MB = 0;

@@ -65,6 +65,8 @@ std::string RemarksXml(const JobOutcome& outcome) {
 // What a line of the table says behind its figures.
 std::string Told(const JobOutcome& outcome) {
   if (!outcome.cause.empty() || outcome.remarks.empty()) return FirstLine(outcome.cause);
+  if (outcome.remarks.size() > 2)
+    return fmt::format("{}; {} more remarks", outcome.remarks.front(), outcome.remarks.size() - 1);
   return fmt::format("{}", fmt::join(outcome.remarks, "; "));
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "base/folder.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/yaml/value.hpp"
@@ -28,7 +29,7 @@ constexpr double kRounding = 1e-9;   // relative: figures that differ by less ar
 constexpr double kSamePlace = 1e-6;  // mm
 constexpr double kSameTurn = 1e-8;   // rad
 
-/// Everything of a folder that is compared.
+/// Everything of a folder that is compared. Reading throws JsonTree::exception for a strange summary.
 struct Side {
   fs::path folder;
   PlanResult plan;
@@ -42,19 +43,18 @@ Side ReadSide(const fs::path& folder, const FileRoot& root) {
   side.folder = folder;
   root.CheckFolder(folder);
   ReadWhole(folder, [&] {
+    const Folder open(folder);  // whatever the summary names, nothing outside of it is read
     const auto file = [&](const char* name) { return (folder / name).string(); };
-    side.plan = ParsePlanResult(root.Read(folder / kPlanFile), file(kPlanFile));
-    side.summary = JsonTree::parse(root.Read(folder / "summary.json"), nullptr, false);
-    if (side.summary.is_discarded())
-      throw InputError({file("summary.json")}, "is no summary that millpose plan wrote");
-    side.job = root.Read(folder / "job.yaml");
-    side.cell = root.Read(folder / "cell.yaml");
+    side.plan = ParsePlanResult(open.Read(kPlanFile), file(kPlanFile));
+    side.summary = JsonTree::parse(open.Read("summary.json"), nullptr, false);
+    side.job = open.Read("job.yaml");
+    side.cell = open.Read("cell.yaml");
     side.programs.clear();
     for (const JsonTree& program : side.summary.at("programs")) {
       if (!program.at("verified").get<bool>()) continue;
-      const fs::path path = program.at("path").get<std::string>();
-      side.programs[program.at("controller").get<std::string>()][path.filename().string()] =
-          root.Read(folder / path);
+      const std::string path = program.at("path").get<std::string>();
+      side.programs[program.at("controller").get<std::string>()][fs::path(path).filename().string()] =
+          open.Read(path);
     }
   });
   return side;
@@ -322,6 +322,20 @@ class Diff {
 
 }  // namespace
 
+namespace {
+
+std::vector<Change> Compare(const fs::path& before, const fs::path& after, const FileRoot& root) {
+  try {
+    return Diff(ReadSide(before, root), ReadSide(after, root), root).Make();
+  } catch (const JsonTree::exception&) {
+    throw InputError(
+        {after.string()},
+        fmt::format("its summary.json, or that of {}, is none that millpose plan wrote", before.string()));
+  }
+}
+
+}  // namespace
+
 std::string Change::Text() const {
   std::string text = fmt::format("{:<10} {}", section, operation.empty() ? what : operation + ": " + what);
   if (!before.empty() || !after.empty())
@@ -342,15 +356,11 @@ std::vector<Change> DiffFolders(const DiffArguments& arguments) {
                     after.empty() ? "one plan" : fmt::format("operations {}", fmt::join(after, ", ")),
                     arguments.before.string(),
                     before.empty() ? "one plan" : fmt::format("operations {}", fmt::join(before, ", "))));
-  if (before.empty())
-    return Diff(ReadSide(arguments.before, arguments.root), ReadSide(arguments.after, arguments.root),
-                arguments.root)
-        .Make();
+  if (before.empty()) return Compare(arguments.before, arguments.after, arguments.root);
   std::vector<Change> changes;
   for (const std::string& operation : before) {
-    const Side one = ReadSide(arguments.before / operation, arguments.root);
-    const Side other = ReadSide(arguments.after / operation, arguments.root);
-    for (Change& change : Diff(one, other, arguments.root).Make()) {
+    for (Change& change :
+         Compare(arguments.before / operation, arguments.after / operation, arguments.root)) {
       change.operation = fs::path(operation).filename().string();
       changes.push_back(std::move(change));
     }
