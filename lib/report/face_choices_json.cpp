@@ -17,17 +17,14 @@ struct WholeFace {
   double worst = 0, marks = 0, step = 0;
 };
 
-/// `after`: as chosen, else as it was before. A step lies between pieces that follow each other.
 WholeFace WholeOf(const std::vector<FaceChoice>& faces, FaceChoiceFigures FaceChoice::*at) {
   WholeFace whole;
-  const FaceChoiceFigures* last = nullptr;
   for (const FaceChoice& choice : faces) {
     const FaceChoiceFigures& of = choice.*at;
     if (of.count == 0) continue;
     whole.worst = std::max(whole.worst, of.worst);
     whole.marks += of.marks;
-    if (last != nullptr) whole.step = std::max(whole.step, std::abs(of.middle - last->middle));
-    last = &of;
+    whole.step = std::max(whole.step, of.step);
   }
   return whole;
 }
@@ -43,6 +40,7 @@ FaceObject FiguresJson(const FaceChoiceFigures& figures) {
           {"mean_um", figures.count > 0 ? FaceObject(kMicrometresOf * figures.sum / figures.count)
                                         : FaceObject(nullptr)},
           {"level_um", kMicrometresOf * figures.middle},
+          {"step_um", kMicrometresOf * figures.step},
           {"marks_sum_um", kMicrometresOf * figures.marks},
           {"crossings", figures.crossings}};
 }
@@ -73,11 +71,12 @@ std::string FaceChoicesText(const std::vector<FaceChoice>& faces) {
   const WholeFace before = WholeOf(faces, &FaceChoice::before), after = WholeOf(faces, &FaceChoice::after);
   return fmt::format(
       "force and lost motion displace by at most {:.3g} µm along the normal ({:.3g} µm by the points' own "
-      "objective), marks {:.0f} µm summed ({:.0f} µm); pieces: {} searched, {} at a fixed rotation, {} as "
+      "objective), neighbouring passes step by {:.3g} µm ({:.3g} µm), marks {:.0f} µm summed ({:.0f} µm); "
+      "pieces: {} searched, {} at a fixed rotation, {} as "
       "planned",
-      kMicrometresOf * after.worst, kMicrometresOf * before.worst, kMicrometresOf * after.marks,
-      kMicrometresOf * before.marks, CountOf(faces, FaceWay::kSearched), CountOf(faces, FaceWay::kFixed),
-      CountOf(faces, FaceWay::kPlanned));
+      kMicrometresOf * after.worst, kMicrometresOf * before.worst, kMicrometresOf * after.step,
+      kMicrometresOf * before.step, kMicrometresOf * after.marks, kMicrometresOf * before.marks,
+      CountOf(faces, FaceWay::kSearched), CountOf(faces, FaceWay::kFixed), CountOf(faces, FaceWay::kPlanned));
 }
 
 }  // namespace millpose

@@ -107,6 +107,55 @@ PlannedFace PlanFace(const Stations& given, const PassResult& pass, const FacePl
   return planned;
 }
 
+std::vector<FixedFace> FixedFacesOf(const Stations& given, const PassResult& pass,
+                                    const FacePlanOptions& options, const Execution& execution) {
+  const Stations stations = given.AtOwnAxis();
+  const std::optional<PassResult> laid = AsLaid(given, pass);
+  if (HasLean(stations.At(pass.external).problem) && !laid) return {};
+  std::vector<FixedFace> faces;
+  for (size_t k = 0; k < pass.pieces.size(); ++k) {
+    FaceSegment face(stations, laid ? *laid : pass, pass.pieces[k], options, execution);
+    const std::vector<FaceSearch::Fixed> all = FaceSearch(face, options.limit).AllFixed();
+    const auto figures_at = [&](const FixedPose& at) {
+      return std::ranges::find_if(all, [&](const FaceSearch::Fixed& fixed) {
+        return fixed.at.place == at.place && fixed.at.branch == at.branch;
+      });
+    };
+    if (k == 0)
+      for (const FaceSearch::Fixed& fixed : all) faces.push_back({fixed.at, {}});
+    std::erase_if(faces, [&](FixedFace& of) {
+      const auto found = figures_at(of.at);
+      if (found == all.end()) return true;
+      of.face.push_back(found->figures);
+      return false;
+    });
+  }
+  std::ranges::stable_sort(faces, {},
+                           [](const FixedFace& face) { return std::pair(face.at.place, face.at.branch); });
+  return faces;
+}
+
+std::optional<PlannedFace> PlanFixedFace(const Stations& given, const PassResult& pass, const FixedPose& at,
+                                         const FacePlanOptions& options, const Execution& execution) {
+  const Stations stations = given.AtOwnAxis();
+  const std::optional<PassResult> laid = AsLaid(given, pass);
+  PlannedFace planned{pass, {}};
+  planned.pass.bound = {};
+  for (const Segment& segment : pass.pieces) {
+    const FaceChoiceFigures before =
+        FaceSegment(stations, pass, segment, options, execution).AsPlanned().figures;
+    FaceSegment face(stations, laid ? *laid : pass, segment, options, execution);
+    const std::optional<FaceCandidate> fixed = FaceSearch(face, options.limit).AtFixed(at);
+    if (!fixed || face.Hits(*fixed).any()) return std::nullopt;
+    planned.pass.poses_checked += face.poses_checked();
+    planned.choices.push_back({pass.pass, segment.piece, FaceWay::kFixed, before, fixed->figures});
+    Put(stations, segment, *fixed, laid ? *laid : pass,
+        laid ? std::optional(NominalFreedoms(given.problem())) : std::nullopt, planned.pass);
+  }
+  MeasureClearances(stations, planned.pass);
+  return planned;
+}
+
 FaceModel ModelOf(const Stations& stations, const GearModel& gears) {
   return {gears, stations.problem().objective->JudgesFace().value_or(ForceBounds{}),
           stations.world().cell().external_axes};

@@ -4,6 +4,7 @@
 
 #include "planning/external/stations.hpp"
 #include "planning/pass/face_figures.hpp"
+#include "planning/pass/face_sequence.hpp"
 #include "planning/pass/pass_planner.hpp"
 
 namespace millpose {
@@ -21,6 +22,17 @@ struct PlannedFace {
   std::vector<FaceChoice> choices;  ///< by segment
 };
 
+/// A rotation of the ladder search's grid about the tool axis, and a branch.
+struct FixedPose {
+  int place = 0, branch = 0;
+};
+
+/// A pass at one rotation, on one branch.
+struct FixedFace {
+  FixedPose at;
+  PassFace face;  ///< by segment
+};
+
 /// The largest displacement that each segment of a pass need not exceed, of all segments the largest, mm: as
 /// planned, at the fixed rotation of the ladder search's grid that is best for it, interference left aside,
 /// or where no rotation serves as a search finds it.
@@ -35,6 +47,16 @@ double AttainableFace(const Stations& stations, const PassResult& pass, const Fa
 /// limits, joint steps and clearances as the pass does; the points stay. The same for any number of threads.
 PlannedFace PlanFace(const Stations& stations, const PassResult& pass, const FacePlanOptions& options,
                      const Execution& execution);
+
+/// Every rotation that serves all segments of a planned pass on one branch, interference left aside; where
+/// leans are free with the tool as it was laid. Sorted by rotation, then branch.
+std::vector<FixedFace> FixedFacesOf(const Stations& stations, const PassResult& pass,
+                                    const FacePlanOptions& options, const Execution& execution);
+
+/// The pass so; empty where that interferes or a segment cannot be left.
+std::optional<PlannedFace> PlanFixedFace(const Stations& stations, const PassResult& pass,
+                                         const FixedPose& at, const FacePlanOptions& options,
+                                         const Execution& execution);
 
 /// By what faces are judged in a cell, for the objective of its job.
 FaceModel ModelOf(const Stations& stations, const GearModel& gears);

@@ -23,10 +23,10 @@ PathNode NodeOf(const FlankNode& node) {
   return {node.freedoms, node.branch, node.q, node.objective, false, false};
 }
 
-const FlankNode* SameIn(const std::vector<FlankNode>& layer, const FlankNode& as) {
-  const auto key = [](const FlankNode& node) { return std::pair(node.branch, node.place); };
-  const auto found = std::ranges::lower_bound(layer, key(as), {}, key);
-  return found != layer.end() && key(*found) == key(as) ? &*found : nullptr;
+const FlankNode* NodeIn(const std::vector<FlankNode>& layer, const FixedPose& at) {
+  const auto key = [](const auto& of) { return std::pair(of.branch, of.place); };
+  const auto found = std::ranges::lower_bound(layer, key(at), {}, key);
+  return found != layer.end() && key(*found) == key(at) ? &*found : nullptr;
 }
 
 }  // namespace
@@ -39,10 +39,10 @@ bool FaceSearch::Better(const FaceChoiceFigures& a, const FaceChoiceFigures& b) 
   return a.worst + a.marks < b.worst + b.marks;
 }
 
-std::optional<FaceCandidate> FaceSearch::AtFixed(size_t node) const {
+std::optional<FaceCandidate> FaceSearch::AtFixed(const FixedPose& at) const {
   std::vector<PathNode> path;
   for (const std::vector<FlankNode>& layer : layers_) {
-    const FlankNode* same = SameIn(layer, layers_[0][node]);
+    const FlankNode* same = NodeIn(layer, at);
     if (same == nullptr) return std::nullopt;
     path.push_back(NodeOf(*same));
   }
@@ -51,8 +51,10 @@ std::optional<FaceCandidate> FaceSearch::AtFixed(size_t node) const {
 
 std::vector<FaceSearch::Fixed> FaceSearch::AllFixed() const {
   std::vector<Fixed> all;
-  for (size_t i = 0; i < layers_[0].size(); ++i)
-    if (const std::optional<FaceCandidate> at = AtFixed(i)) all.push_back({i, at->figures});
+  for (const FlankNode& node : layers_[0]) {
+    const FixedPose at{node.place, node.branch};
+    if (const std::optional<FaceCandidate> candidate = AtFixed(at)) all.push_back({at, candidate->figures});
+  }
   return all;
 }
 
@@ -61,7 +63,7 @@ std::optional<FaceCandidate> FaceSearch::BestFixed(const FaceChoiceFigures& than
   std::erase_if(all, [&](const Fixed& fixed) { return !Better(fixed.figures, than); });
   std::ranges::stable_sort(all, [&](const Fixed& a, const Fixed& b) { return Better(a.figures, b.figures); });
   for (const Fixed& fixed : all) {
-    FaceCandidate candidate = *AtFixed(fixed.node);
+    FaceCandidate candidate = *AtFixed(fixed.at);
     if (!segment_.Hits(candidate).any()) return candidate;
   }
   return std::nullopt;

@@ -18,16 +18,17 @@ class FaceSearch {
   /// Puts in place of `best` what is better and free; true when something is.
   bool Improve(std::pair<FaceWay, FaceCandidate>& best);
 
- private:
   /// A fixed rotation that serves but for interference.
   struct Fixed {
-    size_t node = 0;  ///< of the first layer
+    FixedPose at;
     FaceChoiceFigures figures;
   };
-
-  bool Better(const FaceChoiceFigures& a, const FaceChoiceFigures& b) const;
   std::vector<Fixed> AllFixed() const;
-  std::optional<FaceCandidate> AtFixed(size_t node) const;
+  /// The segment at a fixed rotation; empty where limits or joint steps bar it.
+  std::optional<FaceCandidate> AtFixed(const FixedPose& at) const;
+
+ private:
+  bool Better(const FaceChoiceFigures& a, const FaceChoiceFigures& b) const;
   /// The best fixed rotation that is better than `than` and free, if one is.
   std::optional<FaceCandidate> BestFixed(const FaceChoiceFigures& than);
   std::optional<FaceCandidate> Searched();

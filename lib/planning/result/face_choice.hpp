@@ -15,6 +15,7 @@ struct FaceChoiceFigures {
   double sum = 0;     ///< of the places' largest displacements, mm
   double marks = 0;   ///< heights h·|n·J| of the steps where gears go over to their other flank, summed, mm
   double middle = 0;  ///< mean of the displacement in the middle of its bounds, signed, mm
+  double step = 0;    ///< largest difference of `middle` from that of a piece cut beside it, mm
   int count = 0;      ///< places that count
   std::array<int, 6> crossings{};  ///< by gear of the arm
 };

@@ -31,8 +31,9 @@ TEST(RepairEnds, LeavesPassesWithRoomAlone) {
   const std::string before = BytesOf(passes);
   const JobInputs inputs = SmallInputs();
   const MemoryCheckpoints kept;
-  RepairEnds(FreshPlan().prepared, MakePathOptions(inputs.job), MakeLinkMoveOptions(inputs.job).leave, kept,
-             {.threads = 2}, passes);
+  const PreparedJob& prepared = FreshPlan().prepared;
+  RepairEnds({prepared.stations, prepared.toolpath, prepared.external}, MakePathOptions(inputs.job),
+             MakeLinkMoveOptions(inputs.job).leave, kept, {.threads = 2}, passes);
   EXPECT_EQ(BytesOf(passes), before);
   EXPECT_EQ(kept.writes, 0);
 }
@@ -53,7 +54,8 @@ TEST(RepairEnds, GivesAnEndAPoseThatItCanBeLeftIn) {
   const RetractOptions leave = MakeLinkMoveOptions(inputs.job).leave;
   const Carrier carrier{prepared.cell.arm, prepared.cell.X_WB, prepared.cell.X_FT};
   ASSERT_LT(ShareToLeave(prepared.world, carrier, end, leave), 1);
-  RepairEnds(prepared, MakePathOptions(inputs.job), leave, NoCheckpoints(), {.threads = 2}, passes);
+  RepairEnds({prepared.stations, prepared.toolpath, prepared.external}, MakePathOptions(inputs.job), leave,
+             NoCheckpoints(), {.threads = 2}, passes);
   ASSERT_EQ(passes[0].pieces.size(), 1u);
   for (const PlannedPoint& point : passes[0].points) EXPECT_EQ(point.skip, Infeasibility::kNone);
   const Joints now = passes[0].points[static_cast<size_t>(passes[0].pieces[0].last)].q;
@@ -69,14 +71,16 @@ TEST(RepairEnds, APassThatNoPoseCanLeaveIsLeftOutWithItsReason) {
   RetractOptions leave = MakeLinkMoveOptions(inputs.job).leave;
   leave.height = 3000;  // through the cell and beyond the arm's reach
   const MemoryCheckpoints kept;
-  RepairEnds(prepared, MakePathOptions(inputs.job), leave, kept, {.threads = 2}, passes);
+  RepairEnds({prepared.stations, prepared.toolpath, prepared.external}, MakePathOptions(inputs.job), leave,
+             kept, {.threads = 2}, passes);
   for (const PassResult& pass : passes)
     for (const PlannedPoint& point : pass.points)
       EXPECT_TRUE(point.detail.starts_with("no pose here can be entered or left: ")) << point.detail;
   EXPECT_EQ(kept.writes, 2) << "both were tried";
   const std::string once = BytesOf(passes);
   // What was found out about the ends is not asked again; the plans are read.
-  RepairEnds(prepared, MakePathOptions(inputs.job), leave, kept, {.threads = 1}, passes);
+  RepairEnds({prepared.stations, prepared.toolpath, prepared.external}, MakePathOptions(inputs.job), leave,
+             kept, {.threads = 1}, passes);
   EXPECT_EQ(BytesOf(passes), once);
   EXPECT_EQ(kept.writes, 2);
 }

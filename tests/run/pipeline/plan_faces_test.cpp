@@ -54,6 +54,64 @@ TEST(PlanFaces, NoPieceBecomesWorseAndThePlanIsTheSameAgain) {
             test::BytesOf(first));
 }
 
+double LargestOf(const PlannedJob& job) {
+  double largest = 0;
+  for (const FaceChoice& choice : job.faces)
+    largest = std::max({largest, choice.after.worst, choice.after.step});
+  return largest;
+}
+
+// A4 may hardly turn: passes to and fro leave levels to either side, farther apart than any is from 0.
+TEST(PlanFaces, WhereDirectionsAreFreeNoneOfThemAllWouldBeBetter) {
+  const auto planned = [](const std::string& direction) {
+    return PlanJob(test::SmallInputs(
+                       {{"pose.objective", "{name: face_error}"},
+                        {"toolpath.stepover_mm", "8"},
+                        {"toolpath.spacing_mm", "4"},
+                        {"toolpath.direction", direction},
+                        {"limits.joints_deg",
+                         "[[-180, 180], [-180, 180], [-180, 180], [-170, -162], [-180, 180], [-340, 340]]"},
+                        {"programs", "[]"}}),
+                   NoCheckpoints(), {.threads = 2});
+  };
+  const PlannedJob free = planned("zigzag");
+  EXPECT_GT(std::ranges::count(free.prepared.turned, 1), 0);
+  for (const char* direction : {"one_way", "climb", "conventional"})
+    EXPECT_LE(LargestOf(free), LargestOf(planned(direction)) * (1 + 1e-9)) << direction;
+  EXPECT_EQ(test::BytesOf(planned("zigzag")), test::BytesOf(free));
+}
+
+// The tool as it was laid is among the candidates, and directions are sought with the leans.
+TEST(PlanFaces, LeansNeverRaiseWhatIsLeft) {
+  const test::TestFolder folder("leans");
+  test::CopySmallJob(folder);
+  folder.Change("cell.yaml", "shape: flat", "shape: ball");
+  const auto planned = [&](const std::vector<Override>& leans) {
+    std::vector<Override> overrides{{"pose.objective", "{name: face_error}"},
+                                    {"toolpath.stepover_mm", "16"},
+                                    {"toolpath.spacing_mm", "16"},
+                                    {"programs", "[]"}};
+    overrides.insert(overrides.end(), leans.begin(), leans.end());
+    return PlanJob(LoadJobInputs(folder.path() / "job.yaml", overrides), NoCheckpoints(), {.threads = 2});
+  };
+  const auto worst_and_marks = [](const PlannedJob& job) {
+    std::pair<double, double> both{0, 0};
+    for (const FaceChoice& choice : job.faces) {
+      both.first = std::max(both.first, choice.after.worst);
+      both.second += choice.after.marks;
+    }
+    return both;
+  };
+  const auto [worst, marks] = worst_and_marks(planned({}));
+  const auto [leaning_worst, leaning_marks] =
+      worst_and_marks(planned({{"toolpath.lead_deg", "{from: -10, to: 10, step: 10}"},
+                               {"toolpath.tilt_deg", "{from: -10, to: 10, step: 10}"}}));
+  EXPECT_LE(leaning_worst, worst * (1 + 1e-9));
+  if (leaning_worst > worst * (1 - 1e-9)) {
+    EXPECT_LE(leaning_marks, marks + 1e-9);  // a smaller displacement may cost marks
+  }
+}
+
 TEST(PlanFaces, OtherObjectivesArePlannedAsEver) {
   const PlannedJob& plain = test::FreshPlan();
   EXPECT_TRUE(plain.faces.empty());

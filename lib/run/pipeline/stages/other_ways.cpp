@@ -74,25 +74,20 @@ class BestWays {
                 !IsBetterThanAny(ValueAtNominal(passes[i]), ways_.laid[i], options_.worst_first);
     execution_.progress.Begin("other ways", PointsOf(open));
     PlannedPasses others = PlanOf(laid_, open);
-    std::vector<size_t> turns;
+    size_t turned = 0;
     for (size_t i = 0; i < passes.size(); ++i) {
       if (prepared_.turned[i] == 0) continue;
       if (open[i] == 0 || IsBetter(ValueAtNominal(passes[i]), ValueAtNominal(others.passes[i]),
                                    options_.worst_first, kGainOfTurning)) {
         prepared_.made.toolpath.passes[i] = std::move(ways_.turned.passes[i]);
-        turns.push_back(i);
+        ++turned;
       } else {
         passes[i] = std::move(others.passes[i]);
         prepared_.toolpath.passes[i] = laid_.passes[i];
         prepared_.turned[i] = 0;
       }
     }
-    execution_.progress.End(fmt::format("{} passes run the other way round", turns.size()));
-    if (!turns.empty())
-      prepared_.warnings.push_back(
-          fmt::format("toolpath: passes {} run from their other end, where the force bends the arm less "
-                      "(direction: zigzag leaves it open)",
-                      fmt::join(turns, ", ")));
+    execution_.progress.End(fmt::format("{} passes run the other way round", turned));
   }
 
   PreparedJob& prepared_;

@@ -16,8 +16,8 @@ bool DependsOnFeed(const JobSettings& job, const Objective& objective);
 
 /// Plans the `wanted` passes. In a zigzag whose poses depend on the feed, one that promises a gain from its
 /// other end (FindPromisingReversals) is planned from there, and as it is laid too where the first plan
-/// leaves open which is better (IsBetter); what is turned stands turned in `prepared` too, and a warning
-/// names it. Throws Interrupted.
+/// leaves open which is better (IsBetter); what is turned stands turned in `prepared` too. Throws
+/// Interrupted.
 PlannedPasses PlanBestWays(const JobInputs& inputs, PreparedJob& prepared, const CheckpointStore& checkpoints,
                            const std::function<bool(size_t)>& wanted, const Execution& execution);
 

@@ -114,13 +114,26 @@ int LeaveInRawStock(const JobInputs& inputs, const Execution& execution, Planned
   return figures.left_out;
 }
 
+void WarnOfTurned(PlannedJob& job) {
+  std::vector<size_t> turned;
+  for (size_t i = 0; i < job.prepared.turned.size(); ++i)
+    if (job.prepared.turned[i] != 0) turned.push_back(i);
+  if (turned.empty()) return;
+  job.prepared.warnings.push_back(fmt::format(
+      "toolpath: passes {} run from their other end, where {} (direction: zigzag leaves it open)",
+      fmt::join(turned, ", "),
+      job.prepared.problem.objective->JudgesFace() ? "the face errs less" : "the force bends the arm less"));
+}
+
 // Passes come in their directions and turns, then the ways between them.
 void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution,
               PlannedJob& job) {
   PlanResult& plan = job.plan;
-  RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeLinkMoveOptions(inputs.job).leave, checkpoints,
-             execution, plan.passes);
+  RepairEnds({job.prepared.stations, job.prepared.toolpath, job.prepared.external},
+             MakePathOptions(inputs.job), MakeLinkMoveOptions(inputs.job).leave, checkpoints, execution,
+             plan.passes);
   job.faces = PlanFaces(inputs, job.prepared, checkpoints, execution, plan.passes);
+  WarnOfTurned(job);
   const size_t narrowed = FixRevolutions(inputs, job.prepared.problem, plan);
   if (narrowed > 0)
     job.prepared.warnings.push_back(fmt::format(
@@ -326,7 +339,8 @@ TriedJob TryJob(const JobInputs& given, size_t most_points, const CheckpointStor
   // alone.
   for (const bool repair : {false, true}) {
     if (repair)
-      RepairEnds(prepared, MakePathOptions(inputs.job), options.leave, checkpoints, execution, passes);
+      RepairEnds({prepared.stations, prepared.toolpath, prepared.external}, MakePathOptions(inputs.job),
+                 options.leave, checkpoints, execution, passes);
     PlanResult plan = StartPlan(inputs, prepared);
     plan.passes = passes;
     std::erase_if(plan.passes,

@@ -43,7 +43,7 @@ bool IsBetter(const EndLoss& now, const EndLoss& before) {
 
 }  // namespace
 
-void RepairEnds(const PreparedJob& prepared, PathOptions options, const RetractOptions& leave,
+void RepairEnds(const PassesWithEnds& of, PathOptions options, const RetractOptions& leave,
                 const CheckpointStore& checkpoints, const Execution& execution,
                 std::vector<PassResult>& passes) {
   execution.progress.Begin("ends", passes.size());
@@ -55,22 +55,21 @@ void RepairEnds(const PreparedJob& prepared, PathOptions options, const RetractO
     });
     return losses;
   };
-  const std::string key = StageKey(prepared.problem, leave, KeyOf(passes, execution.Threads()));
-  const auto before =
-      CachedInWorld<std::vector<EndLoss>>(checkpoints, "ends", key, prepared.stations, losses_in);
+  const std::string key = StageKey(of.stations.problem(), leave, KeyOf(passes, execution.Threads()));
+  const auto before = CachedInWorld<std::vector<EndLoss>>(checkpoints, of.stage, key, of.stations, losses_in);
   const auto stuck = [&](size_t i) { return before[i].reduced > 0; };
   const auto count = std::ranges::count_if(before, [](const EndLoss& loss) { return loss.reduced > 0; });
   execution.progress.End(fmt::format("{} passes with an end near something", count));
   if (count == 0) return;
   size_t points = 0, repaired = 0;
   for (size_t i = 0; i < passes.size(); ++i)
-    if (stuck(i)) points += prepared.toolpath.passes[i].points.size();
+    if (stuck(i)) points += of.toolpath.passes[i].points.size();
   execution.progress.Begin("passes again", points);
   options.leave = leave;
-  PlannedPasses again = PlanPasses(prepared.stations, {prepared.toolpath, prepared.external, stuck}, options,
-                                   checkpoints, execution);
+  PlannedPasses again =
+      PlanPasses(of.stations, {of.toolpath, of.external, stuck}, options, checkpoints, execution);
   for (size_t i = 0; i < passes.size(); ++i) {
-    if (!stuck(i) || !IsBetter(LossOf(prepared.stations, leave, again.passes[i]), before[i])) continue;
+    if (!stuck(i) || !IsBetter(LossOf(of.stations, leave, again.passes[i]), before[i])) continue;
     passes[i] = std::move(again.passes[i]);
     ++repaired;
   }
