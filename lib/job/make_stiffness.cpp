@@ -51,6 +51,8 @@ GearModel MakeGearModel(const CellSettings& settings) {
   const std::optional<Vector6>& width = settings.arm.lost_motion;
   if (width) lost.width.head<6>() = *width;
   std::fill_n(model.known.begin(), 6, width.has_value());
+  if (const std::optional<GearErrorSettings>& error = settings.arm.gear_error)
+    model.error = GearError{error->amplitude, error->periods, Joints::Zero()};
   for (size_t i = 0; i < settings.external_axes.size(); ++i) {
     const ExternalAxisSettings& axis = settings.external_axes[i];
     const auto gear = static_cast<Eigen::Index>(6 + i);

@@ -77,7 +77,9 @@ Json StatedJson(const StatedErrors& stated) {
           {"lost_motion_arcmin", lost},
           {"tool", stated.tip > 0 || stated.lean > 0 ? Json{{"tip_uncertainty_mm", stated.tip},
                                                             {"axis_uncertainty_deg", RadToDeg(stated.lean)}}
-                                                     : Json(nullptr)}};
+                                                     : Json(nullptr)},
+          {"gear_error", stated.gears.has_value()},
+          {"registration", stated.part.has_value()}};
 }
 
 }  // namespace
@@ -91,7 +93,7 @@ Json FaceReportJson(const FaceReport& report) {
   return {{"spacing_mm", report.rays.spacing},
           {"plane", report.rays.plane},
           {"stated", StatedJson(report.stated)},
-          {"not_in_it", kNotInFace},
+          {"not_in_it", NotInFace(report.stated)},
           {"plan", StudyJson(report.rays, report.plan)},
           {"fixed_rotation", fixed},
           {"fixed_rotation_in_the_way",

@@ -62,14 +62,21 @@ std::string StatedText(const StatedErrors& stated) {
   if (stated.lost) text += "lost motion of the gears; ";
   if (stated.tip > 0 || stated.lean > 0)
     text += fmt::format("tool known to {:.4g} mm and {:.4g} deg; ", stated.tip, RadToDeg(stated.lean));
+  if (stated.gears) text += "periodic error of the gears, drawn; ";
+  if (stated.part) text += "where the part was registered, drawn; ";
   return text.empty() ? "nothing" : text.substr(0, text.size() - 2);
 }
 
 }  // namespace
 
-const std::vector<std::string> kNotInFace{
-    "gear error", "geometry of the arm", "registration of the part", "temperature",
-    "dynamics",   "wear of the tool"};
+std::vector<std::string> NotInFace(const StatedErrors& stated) {
+  std::vector<std::string> missing;
+  if (!stated.gears) missing.push_back("gear error");
+  missing.push_back("geometry of the arm");
+  if (!stated.part) missing.push_back("registration of the part");
+  missing.insert(missing.end(), {"temperature", "dynamics", "wear of the tool"});
+  return missing;
+}
 
 std::string FaceText(const FaceReport& report) {
   std::string text = fmt::format(
@@ -83,8 +90,8 @@ std::string FaceText(const FaceReport& report) {
             FaceRows(*report.fixed);
   if (!report.fixed_in_the_way.empty())
     text += "\nno fixed rotation beside it: " + report.fixed_in_the_way + '\n';
-  text +=
-      fmt::format("\nstated: {}\nnot in it: {}\n", StatedText(report.stated), fmt::join(kNotInFace, ", "));
+  text += fmt::format("\nstated: {}\nnot in it: {}\n", StatedText(report.stated),
+                      fmt::join(NotInFace(report.stated), ", "));
   if (!report.rays.plane) text += "the region is no plane: flatness does not apply\n";
   return text;
 }

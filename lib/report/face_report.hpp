@@ -22,7 +22,7 @@ struct FaceReport {
 };
 
 /// What every output says that the faces leave out.
-extern const std::vector<std::string> kNotInFace;
+std::vector<std::string> NotInFace(const StatedErrors& stated);
 
 /// For the terminal.
 std::string FaceText(const FaceReport& report);

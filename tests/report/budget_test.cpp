@@ -73,6 +73,23 @@ TEST(Budget, HasTheLargestOfEverySourceThatIsStated) {
   EXPECT_NEAR(json["sum_um"].get<double>(), 1e3 * budget.Sum(), 1e-9);
 }
 
+TEST(Budget, PeriodicErrorOfTheGearsAddsUpByTheirLevers) {
+  GearModel model = Stated(0.3);
+  model.error.emplace();
+  model.error->amplitude << 0, 0, 1e-4, 0, 0, 0;
+  const PlanResult plan = TurningPlan();
+  const LostMotionReport lost = ReportLostMotion(plan, model, "measured", 0);
+  double largest = 0;
+  for (const PlannedPoint& planned : plan.passes[0].points) {
+    const Matrix6 J = Jacobian(plan.arm, planned.q, plan.X_FT.translation());
+    const Eigen::Vector3d normal = plan.X_WB.linear().transpose() * planned.point.normal;
+    largest = std::max(largest, 1e-4 * std::abs(normal.dot(J.col(2).head<3>())));
+  }
+  const Budget budget = MakeBudget(nullptr, lost);
+  EXPECT_NEAR(RowOf(budget, "gear_error").largest.value(), largest, 1e-12);
+  EXPECT_EQ(std::ranges::count(budget.LeftOut(), "gear error"), 0);
+}
+
 TEST(Budget, ARegisteredPlaceIsStated) {
   const LostMotionReport lost = ReportLostMotion(TurningPlan(), Stated(0.3), "measured", 0);
   RegistrationFigures registration;

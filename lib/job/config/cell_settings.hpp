@@ -47,6 +47,13 @@ struct GearCoupling {
   double factor = 0;
 };
 
+/// Periodic error of the gears' outputs against their inputs (docs/budget.md).
+struct GearErrorSettings {
+  Vector6 amplitude = Vector6::Zero();  ///< rad, from the mean to the largest
+  Vector6 periods = Vector6::Ones();    ///< in one turn of the output
+  std::string source;
+};
+
 struct ArmSettings {
   std::string name;
   UrdfSettings urdf;
@@ -67,6 +74,7 @@ struct ArmSettings {
   bool absolute_accuracy = false;      ///< the controller takes out what weight bends
   std::optional<Vector6> lost_motion;  ///< between the flanks of each joint's gear, rad; empty: not known
   std::string lost_motion_source;
+  std::optional<GearErrorSettings> gear_error;
   std::optional<Vector6> gear_friction;  ///< up to which load friction alone holds an output, N·mm
   std::vector<GearCoupling> gear_couplings;
   // How an arm from a URDF or a table arrived; not of the file.

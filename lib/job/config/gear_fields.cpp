@@ -38,6 +38,24 @@ Codec<GearCoupling> CouplingFields() {
       });
 }
 
+const Unit kArcsec{"arcsec", kRadPerDeg, 3600};
+
+Codec<GearErrorSettings> GearErrorFields() {
+  using S = GearErrorSettings;
+  return Section<S>({
+      Key<S>("amplitude_arcsec", MILLPOSE_AT(amplitude), Numbers6(kArcsec, UpTo(3600)),
+             "Of each joint's gear, from the mean to the largest.")
+          .Required(),
+      Key<S>("periods_per_turn", MILLPOSE_AT(periods), Numbers6(kOne, Between(0.1, 10000)),
+             "In one turn of the joint; of most gears once or twice in one of the motor: the ratio or its "
+             "double.")
+          .Required(),
+      Key<S>("source", MILLPOSE_AT(source), Lines(),
+             "Where these come from. Begins with `assumed` where nobody has measured them.")
+          .Required(),
+  });
+}
+
 }  // namespace
 
 const Unit kArcmin{"arcmin", kRadPerDeg, 60};
@@ -56,6 +74,12 @@ std::vector<Field<ArmSettings>> WithGears(std::vector<Field<ArmSettings>> fields
                           "Where the lost motion comes from; needed with it. Begins with `assumed` where "
                           "nobody has measured it.")
                        .WhenSet(known));
+  fields.push_back(
+      Key<S>("gear_error", MILLPOSE_AT(gear_error), Maybe(GearErrorFields()),
+             "Periodic error of the gears, of unknown phase: it counts in the budget and in the faces that "
+             "`millpose face` draws.")
+          .WhenSet([](const S& s) { return s.gear_error.has_value(); })
+          .DefaultText("not known"));
   fields.push_back(
       Key<S>("gear_friction_Nm", MILLPOSE_AT(gear_friction), Maybe(Numbers6(kGearTorque, UpTo(1e6))),
              "Torques about the joints up to which friction alone says on which flank a gear rests; above, "

@@ -4,7 +4,16 @@
 #include <algorithm>
 #include <tuple>
 
+#include "base/trig.hpp"
+
 namespace millpose {
+
+Joints GearError::At(const Joints& gears) const {
+  Joints ahead;
+  for (int i = 0; i < 6; ++i) ahead[i] = amplitude[i] * SinCos(periods[i] * gears[i] + phase[i]).sin;
+  return ahead;
+}
+
 namespace {
 
 /// The way of one gear, place by place: where it turns back.

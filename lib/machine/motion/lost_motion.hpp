@@ -38,6 +38,16 @@ struct LostMotion {
   bool Any() const { return (width.array() > 0).any(); }
 };
 
+/// By how much the outputs of the arm's gears are ahead of their inputs: amplitude · sin(periods · q +
+/// phase), q the gear's angle.
+struct GearError {
+  Joints amplitude = Joints::Zero();  ///< rad
+  Joints periods = Joints::Ones();    ///< in one turn
+  Joints phase = Joints::Zero();      ///< rad
+
+  Joints At(const Joints& gears) const;
+};
+
 /// The dead zone of a linear external axis, mm.
 inline constexpr double kLinearDeadZone = 0.01;
 

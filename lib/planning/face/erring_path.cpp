@@ -122,10 +122,12 @@ CutterPlace ErringPath::PlaceOf(const Point& point, const ToolErrors& errors, co
     twist.head<3>() += point.shift;
   }
   Eigen::VectorXd axes = offset.head(point.by_axis.cols());
-  axes.head<6>() = errors.lost.axes * offset.head<6>();
+  axes.head<6>() = errors.lost.axes * (offset.head<6>() + errors.gears.At(errors.lost.gears * point.q));
   twist += point.by_axis * axes;
   twist.head<3>() += point.R_PT * errors.tip;
   twist.tail<3>() += point.R_PT * errors.lean;
+  twist.head<3>() -= errors.part_shift + errors.part_turn.cross(point.nominal.tip - errors.part_centre);
+  twist.tail<3>() -= errors.part_turn;
   const Vector3d turn = twist.tail<3>();
   return {point.nominal.tip + twist.head<3>(),
           (point.nominal.axis + Cross(turn) * point.nominal.axis).normalized()};

@@ -18,8 +18,12 @@ struct ToolErrors {
   /// Turns these forces, in the frame of feed, normal × feed and normal.
   Eigen::Matrix3d force_turn = Eigen::Matrix3d::Identity();
   LostMotion lost;                                 ///< of the gears; without width none
+  GearError gears;                                 ///< their periodic error; without amplitude none
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();   ///< of the tip in the flange, in T, mm
   Eigen::Vector3d lean = Eigen::Vector3d::Zero();  ///< of the tool's direction, as a rotation in T, rad
+  /// The part's shift (mm) and turn (rad) about `part_centre` from where the job has it, all in P.
+  Eigen::Vector3d part_shift = Eigen::Vector3d::Zero(), part_turn = Eigen::Vector3d::Zero();
+  Eigen::Vector3d part_centre = Eigen::Vector3d::Zero();
 };
 
 /// The cuts that leave a plan's finished face, with what moves the tool at their points.
@@ -30,9 +34,9 @@ class ErringPath {
   ErringPath(const PlanResult& plan, const std::vector<SeriesCompliance>& compliances, int finished_from,
              const std::function<Joints(const Joints& q)>& weight_in = {});
 
-  /// In P. The tip goes by c·F + J·(y − q) and what the tool itself errs by, and what compensation has
-  /// commanded against the force is added; the axis turns with it. Every segment is entered settled
-  /// (OffsetsAlong). Between two points the error changes evenly.
+  /// In P. The tip goes by c·F + J·(y − q) and the gears' periodic error, against the part's own, and what
+  /// the tool itself errs by, and what compensation has commanded against the force is added; the axis turns
+  /// with it. Every segment is entered settled (OffsetsAlong). Between two points the error changes evenly.
   std::vector<CutterMotion> Motions(const ToolErrors& errors) const;
 
  private:

@@ -33,7 +33,7 @@ ToolErrors Expected(const StatedErrors& stated) {
 }
 
 /// One that is as likely as any other within the bounds. Every draw takes the same numbers from its stream,
-/// whatever is stated.
+/// whatever is stated of force, lost motion and tool.
 ToolErrors Drawn(const StatedErrors& stated, uint64_t seed, size_t draw) {
   RandomStream random(seed, draw);
   ToolErrors errors = Expected(stated);
@@ -43,6 +43,18 @@ ToolErrors Drawn(const StatedErrors& stated, uint64_t seed, size_t draw) {
   for (Eigen::Index i = 0; i < kMostGears; ++i) errors.lost.width[i] *= random.Uniform();
   errors.tip = stated.tip * InBall(random);
   errors.lean = stated.lean * InBall(random);
+  if (stated.gears) {
+    errors.gears = *stated.gears;
+    for (int i = 0; i < 6; ++i) errors.gears.phase[i] = random.Uniform(-kPi, kPi);
+  }
+  if (stated.part) {
+    Joints normal;
+    for (int i = 0; i < 6; ++i) normal[i] = random.Normal();
+    const Joints moved = *stated.part * normal;
+    errors.part_shift = moved.head<3>();
+    errors.part_turn = moved.tail<3>();
+    errors.part_centre = stated.part_centre;
+  }
   return errors;
 }
 

@@ -19,10 +19,16 @@ struct StatedErrors {
   std::optional<LostMotion> lost;  ///< widths as stated: each lies between 0 and that
   double tip = 0;                  ///< of the tip in the flange, mm to either side
   double lean = 0;                 ///< of the tool axis in the flange, rad
+  std::optional<GearError> gears;  ///< periodic, of any phase
+  /// Where the part stands: standard deviations of its shift (mm) and turn (rad) about `part_centre`, in P,
+  /// as the root L of their covariance L·Lᵀ.
+  std::optional<Matrix6> part;
+  Eigen::Vector3d part_centre = Eigen::Vector3d::Zero();
 
   /// Whether a drawn face can differ from the expected one.
   bool AreUnsure() const {
-    return (force && (force_share > 0 || force_angle > 0)) || (lost && lost->Any()) || tip > 0 || lean > 0;
+    return (force && (force_share > 0 || force_angle > 0)) || (lost && lost->Any()) || tip > 0 || lean > 0 ||
+           gears || part;
   }
 };
 

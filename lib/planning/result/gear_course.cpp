@@ -118,6 +118,7 @@ void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& 
   const size_t first_point = course.errors.size();
   course.errors.resize(first_point + pass.points.size());
   course.lever_sums.resize(course.errors.size());
+  course.periodic.resize(course.errors.size());
   for (const PlannedPoint& point : pass.points) course.face.push_back(face(pass, point));
   for (const Segment& piece : pass.pieces) {
     std::vector<PosedPoint> places;
@@ -136,6 +137,7 @@ void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& 
       const size_t at = first_point + point_of(t);
       if (!course.face[at]) continue;
       course.lever_sums[at] = gears.levers[t].head<6>().cwiseAbs().sum();
+      if (model.error) course.periodic[at] = gears.levers[t].head<6>().cwiseAbs().dot(model.error->amplitude);
       if (any_known) course.errors[at] = gears.errors[t];
     }
   }

@@ -27,6 +27,7 @@ struct GearModel {
   /// Whether a gear's lost motion is known. The others' reversals are counted and told per arcmin.
   std::array<bool, kMostGears> known{};
   std::optional<GearWeights> weights;
+  std::optional<GearError> error;  ///< of the arm's gears; its phase is not known
 };
 
 /// A milling point in a pose.
@@ -87,6 +88,9 @@ struct GearCourse {
   std::vector<std::optional<double>> errors;
   /// Likewise Σ|n·J_i| over the arm's gears, mm/rad: of every point of the face.
   std::vector<std::optional<double>> lever_sums;
+  /// Likewise the largest displacement along the normal by the gears' periodic error, mm, all gears adding
+  /// up; empty where nobody states it.
+  std::vector<std::optional<double>> periodic;
 };
 /// Whether a point of a pass leaves the face: where it is Compared(), and its pass is one of those from
 /// `finished_from` on, which earlier layers are cut away by. A drilled hole has no face along its normal.

@@ -63,6 +63,58 @@ TEST(FaceStudy, ConstantErrorIsLevel) {
   EXPECT_EQ(study.by_force->heights.level, level);
 }
 
+// The part stands elsewhere than it was registered: the level is as unsure as that.
+TEST(FaceStudy, DrawnPlacesOfThePartMoveTheLevel) {
+  StatedErrors stated;
+  stated.part = Matrix6::Zero();
+  const PlanResult plan = AtOneRotation();
+  const Vector3d normal = plan.X_WP.linear().transpose() * plan.passes[0].points[0].point.normal;
+  stated.part->topLeftCorner<3, 3>() = 0.1 * normal * normal.transpose();
+  const FaceStudy study = Studied(plan, stated, 400);
+  ASSERT_TRUE(study.drawn);
+  EXPECT_NEAR(study.drawn->level.high - study.drawn->level.low, 2 * 1.645 * 0.1, 0.04);
+  EXPECT_NEAR(study.drawn->level.high + study.drawn->level.low, 0, 0.04);
+  EXPECT_NEAR(study.drawn->added.high, 0, 1e-7);
+  EXPECT_NEAR(study.expected.figures.heights.level, 0, 1e-8);
+}
+
+// Turned about its middle: heights differ across it, the mean does not.
+TEST(FaceStudy, DrawnTurnsOfThePartTiltTheFace) {
+  StatedErrors stated;
+  stated.part = Matrix6::Zero();
+  const PlanResult plan = AtOneRotation();
+  const Vector3d normal = plan.X_WP.linear().transpose() * plan.passes[0].points[0].point.normal;
+  const Vector3d along = normal.unitOrthogonal();
+  stated.part->bottomRightCorner<3, 3>() = 1e-4 * along * along.transpose();
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points)
+      stated.part_centre +=
+          plan.X_WP.inverse() * point.point.position / static_cast<double>(3 * pass.points.size());
+  const FaceStudy study = Studied(plan, stated, 100);
+  ASSERT_TRUE(study.drawn);
+  EXPECT_GT(study.drawn->added.high, 2e-3);
+  EXPECT_LT(study.drawn->level.high, 0.2 * study.drawn->added.high);
+}
+
+// One gear with an error in one pose: what it displaces along the normal lies within the amplitude and, as
+// the phase is anything, comes near either end.
+TEST(FaceStudy, DrawnPhasesOfAGearsErrorMoveTheLevelByItsLever) {
+  StatedErrors stated;
+  stated.gears.emplace();
+  stated.gears->amplitude[2] = 1e-4;
+  stated.gears->periods.setConstant(80);
+  const PlanResult plan = AtOneRotation();
+  const PlannedPoint& point = plan.passes[0].points[0];
+  const double lever =
+      std::abs((plan.X_WB.linear().transpose() * point.point.normal)
+                   .dot(Jacobian(plan.arm, point.q, plan.X_FT.translation()).col(2).head<3>()));
+  const FaceStudy study = Studied(plan, stated, 400);
+  ASSERT_TRUE(study.drawn);
+  // 5 and 95 % of the sine of a uniform phase: ±sin(0.45 π).
+  EXPECT_NEAR(study.drawn->level.high, 0.9877 * 1e-4 * lever, 0.02 * 1e-4 * lever);
+  EXPECT_NEAR(study.drawn->level.low, -0.9877 * 1e-4 * lever, 0.02 * 1e-4 * lever);
+}
+
 TEST(FaceStudy, FiguresAreThoseOfItsPoints) {
   PlanResult plan = AtOneRotation();
   for (size_t i = 0; i < plan.passes.size(); ++i)  // steps between passes, and one that slants

@@ -36,6 +36,14 @@ std::function<Joints(const Joints&)> WeightIn(const Arm& arm, const GearModel& g
   };
 }
 
+/// L of a covariance L·Lᵀ, which may be of less than full rank.
+Matrix6 RootOf(const Matrix6& covariance) {
+  const Eigen::LDLT<Matrix6> factor(covariance);
+  const Matrix6 lower = factor.matrixL();
+  return factor.transpositionsP().transpose() *
+         Matrix6(lower * factor.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
+}
+
 StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const GearModel& gears) {
   StatedErrors stated;
   const auto loaded = [](const PlannedPoint& point) {
@@ -51,6 +59,11 @@ StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const Gea
   if (std::ranges::find(gears.known, true) != gears.known.end()) stated.lost = gears.lost;
   stated.tip = inputs.cell.tool.tip_uncertainty.value_or(0);
   stated.lean = inputs.cell.tool.axis_uncertainty.value_or(0);
+  stated.gears = gears.error;
+  if (const std::optional<RegisteredSettings>& part = inputs.job.workpiece.registered) {
+    stated.part = RootOf(part->covariance);
+    stated.part_centre = part->centre;
+  }
   return stated;
 }
 
