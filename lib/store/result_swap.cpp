@@ -169,8 +169,9 @@ Folder FolderFor(const Folder& folder, const std::string& name) {
 }
 
 bool IsOfSet(const std::string& name) {
-  return IsPlainName(name) && name != kStagingFolder && name != kReplaced && name != kJournal &&
-         name != kMark && name != kCheckpointsFolder && !IsOfLock(name);
+  constexpr size_t kLongestName = 255;  // that a file system has, bytes
+  return IsPlainName(name) && name.size() <= kLongestName && name != kStagingFolder && name != kReplaced &&
+         name != kJournal && name != kMark && name != kCheckpointsFolder && !IsOfLock(name);
 }
 
 bool IsSwapOpen(const Folder& folder) { return Stands(folder, kJournal); }

@@ -28,6 +28,7 @@ class RunComparison {
   Pose ToolAt(size_t i, double share, const Joints& q) const;
   Pose BaseAt(size_t i, double share) const;
   bool ReachedAll() const;
+  bool EntersByRoundedAngles() const;
   bool LengthsFit();
   void Sample();
   void CompareForward();

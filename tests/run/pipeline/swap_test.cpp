@@ -183,6 +183,8 @@ TEST(SwapResults, NamesOfTheSwapAreNoneOfASet) {
                            ".owner.a.1", "", ".", "..", "a/b", "/a"})
     EXPECT_FALSE(IsOfSet(name)) << name;
   for (const char* name : {"staging", "programs", "manifest.json"}) EXPECT_TRUE(IsOfSet(name)) << name;
+  EXPECT_TRUE(IsOfSet(std::string(255, 'x')));
+  EXPECT_FALSE(IsOfSet(std::string(256, 'x')));  // no file system could even look for it
 }
 
 TEST(FolderLock, NamesWhoHasTheFolder) {
