@@ -94,7 +94,7 @@ std::vector<std::string> Budget::LeftOut() const {
 }
 
 Budget MakeBudget(const DeflectionReport* deflection, const LostMotionReport& lost,
-                  const RegistrationFigures* registration) {
+                  const RegistrationFigures* registration, const GeometryFigures* geometry) {
   Budget budget;
   const double levers = LargestLeverSum(lost);
   AddForce(deflection, budget.rows);
@@ -114,9 +114,16 @@ Budget MakeBudget(const DeflectionReport* deflection, const LostMotionReport& lo
                 "transmission error of the gears; published: some 10 to 60 arcsec, in every joint at once "
                 "{} here; it repeats, and much of it is the same for any pose",
                 Between(10 * kArcsecond, 60 * kArcsecond, levers)));
-  missing("geometry", "geometry",
-          "the arm's true lengths and axes against the nominal ones; published: 0.65 mm on an IRB 1600 "
-          "(Slamani, Nubiola, Bonev 2012)");
+  if (geometry != nullptr)
+    budget.rows.push_back(
+        {"geometry", "geometry", geometry->largest,
+         fmt::format("arm {} as measured on {}, its controller computing with the nominal one and the part's "
+                     "frame measured with it all over the face; with a frame from elsewhere {:.0f} µm",
+                     geometry->serial, geometry->date, kMicrometresInMm * geometry->absolute)});
+  else
+    missing("geometry", "geometry",
+            "the arm's true lengths and axes against the nominal ones; published: 0.65 mm on an IRB 1600 "
+            "(Slamani, Nubiola, Bonev 2012)");
   if (registration != nullptr)
     budget.rows.push_back(
         {"registration", "registration", registration->off_95,

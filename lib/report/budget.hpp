@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "report/deflection.hpp"
+#include "report/geometry.hpp"
 #include "report/lost_motion.hpp"
 #include "report/registration.hpp"
 
@@ -34,9 +35,10 @@ struct Budget {
 };
 
 /// `deflection`: null where the job does not say what is cut; `registration`: where nothing registered the
-/// part's place.
+/// part's place; `geometry`: where nobody measured the arm's own.
 Budget MakeBudget(const DeflectionReport* deflection, const LostMotionReport& lost,
-                  const RegistrationFigures* registration = nullptr);
+                  const RegistrationFigures* registration = nullptr,
+                  const GeometryFigures* geometry = nullptr);
 
 /// One line for the terminal, without a line end: the largest three, their sum and what that leaves out.
 std::string BudgetText(const Budget& budget);

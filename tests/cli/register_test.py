@@ -108,6 +108,18 @@ class Register(InFolder):
         self.assertIn("is unchanged", result.stderr)
         self.assertEqual(self.job.read_text(), before)
 
+    def test_leaves_a_job_alone_whose_last_layer_is_thinner_than_the_face_is_known(self):
+        self.points.write_text(probed(30, 0.02))
+        text = self.job.read_text().replace(", depth_mm: 1}", "}")
+        for finishing, status in ((0.002, 1), (0.5, 0)):
+            self.job.write_text(text.replace("toolpath:\n", "toolpath:\n  depth: {total_mm: 1, per_layer_mm: 1, "
+                                             f"finishing_mm: {finishing}}}\n", 1))
+            before = self.job.read_text()
+            result = self.register("--propose", 0, "--write-job", self.job)
+            self.assertEqual(result.returncode, status, result.stdout + result.stderr)
+            self.assertEqual("more than its last layer takes off (toolpath.depth, 2 µm)" in result.stdout, status == 1)
+            self.assertEqual(self.job.read_text() == before, status == 1)
+
     def test_names_outliers_and_what_no_point_tells(self):
         self.points.write_text(probed(30, 0.02, chips=(7,)))
         result = self.register("--propose", 0)

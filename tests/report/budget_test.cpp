@@ -90,6 +90,16 @@ TEST(Budget, PeriodicErrorOfTheGearsAddsUpByTheirLevers) {
   EXPECT_EQ(std::ranges::count(budget.LeftOut(), "gear error"), 0);
 }
 
+TEST(Budget, AMeasuredArmIsStated) {
+  const LostMotionReport lost = ReportLostMotion(TurningPlan(), Stated(0.3), "measured", 0);
+  const GeometryFigures geometry{0.2, 1.5, "A17", "2026-11-26"};
+  const Budget budget = MakeBudget(nullptr, lost, nullptr, &geometry);
+  EXPECT_EQ(RowOf(budget, "geometry").largest.value(), 0.2);
+  EXPECT_NE(RowOf(budget, "geometry").basis.find("arm A17 as measured on 2026-11-26"), std::string::npos);
+  EXPECT_NE(RowOf(budget, "geometry").basis.find("1500 µm"), std::string::npos);
+  EXPECT_EQ(std::ranges::count(budget.LeftOut(), "geometry"), 0);
+}
+
 TEST(Budget, ARegisteredPlaceIsStated) {
   const LostMotionReport lost = ReportLostMotion(TurningPlan(), Stated(0.3), "measured", 0);
   RegistrationFigures registration;

@@ -80,9 +80,64 @@ void CheckLengths(const Value& lengths, const Context& context, const ArmSetting
                             "parallel_axes");
 }
 
+const Unit kMrad{"mrad", 1, 1000};
+
+/// 2026-11-26.
+bool IsDate(const std::string& text) {
+  constexpr std::string_view kForm = "dddd-dd-dd";
+  if (text.size() != kForm.size()) return false;
+  for (size_t i = 0; i < text.size(); ++i)
+    if (kForm[i] == 'd' ? text[i] < '0' || text[i] > '9' : text[i] != kForm[i]) return false;
+  return true;
+}
+
+Codec<DeviationSettings> DeviationFields() {
+  using S = DeviationSettings;
+  return Section<S>(
+      {
+          Key<S>("shifts_mm", MILLPOSE_AT(shifts), ListOf(Numbers3(kMm, Between(-50, 50))),
+                 "Seven rows, of the frames 0 (base) and 1 to 6 (after joint 1 to 6; 6 is the flange): where "
+                 "each truly stands, in the axes of its nominal self.")
+              .Required(),
+          Key<S>("turns_mrad", MILLPOSE_AT(turns), ListOf(Numbers3(kMrad, Between(-100, 100))),
+                 "Likewise how it is turned: rotation vectors.")
+              .Required(),
+          Key<S>("source", MILLPOSE_AT(source), Lines(), "How they were found, and how sure they are.")
+              .Required(),
+          Key<S>("date", MILLPOSE_AT(date), Text(), "When they were measured: year-month-day.").Required(),
+      },
+      [](const Value& value, const Context& context, S& s) {
+        const auto check = [&](const char* key, size_t rows) {
+          if (const auto* given = value.FindKey(key); given && rows != 7)
+            context.Child(key).Add(given->mark,
+                                   fmt::format("given {} rows; allowed: seven, base to flange", rows));
+        };
+        check("shifts_mm", s.shifts.size());
+        check("turns_mrad", s.turns.size());
+        if (const auto* given = value.FindKey("date"); given && !IsDate(s.date))
+          context.Child("date").Add(given->mark,
+                                    fmt::format("given {}; allowed: a date such as 2026-11-26", s.date));
+      });
+}
+
+/// Deviations are one arm's, and a controller that has them itself must not be given them again.
+void CheckDeviations(const Value& value, const Context& context, const ArmSettings& arm) {
+  const auto *serial = value.FindKey("serial"), *deviations = value.FindKey("deviations");
+  if (deviations && !serial)
+    context.Child("serial").Add(deviations->mark, "missing; required with deviations: whose they are");
+  if (serial && !deviations)
+    context.Child("serial").Add(serial->mark, "has no effect here: deviations is missing");
+  if (deviations && arm.absolute_accuracy)
+    context.Child("deviations")
+        .Add(deviations->mark,
+             "given together with absolute_accuracy: true, a controller that knows them itself; allowed: one "
+             "of the two");
+}
+
 /// With a URDF, what it says is not said again; what it does not say must be.
 void CheckArm(const Value& value, const Context& context, ArmSettings& arm) {
   CheckGears(value, context, arm);
+  CheckDeviations(value, context, arm);
   if (const auto* coupled = value.FindKey("coupled_limits_deg")) arm.coupled_line = coupled->mark.line;
   const bool table = !arm.dh.rows.empty();
   if (arm.urdf.file.empty() && !table)
@@ -107,6 +162,13 @@ Codec<ArmSettings> ArmFields() {
   return Section<S>(
       WithGears({
           Key<S>("name", MILLPOSE_AT(name), Text(), "Maker and model.").Required(),
+          Key<S>("serial", MILLPOSE_AT(serial), Text(), "Serial number of the arm that `deviations` are of.")
+              .WhenSet([](const S& s) { return s.deviations.has_value(); }),
+          Key<S>("deviations", MILLPOSE_AT(deviations), Maybe(DeviationFields()),
+                 "How this arm's geometry differs from its sheet; a line of the budget "
+                 "(docs/arm-deviations.md). Needs `serial`.")
+              .WhenSet([](const S& s) { return s.deviations.has_value(); })
+              .DefaultText("not known"),
           Key<S>(
               "urdf", MILLPOSE_AT(urdf), UrdfFields(),
               "A URDF from which lengths, signs, offsets, limits, speeds and bodies of the links are taken.")

@@ -54,8 +54,16 @@ struct GearErrorSettings {
   std::string source;
 };
 
+/// How the geometry of one arm differs from its sheet (docs/arm-deviations.md).
+struct DeviationSettings {
+  std::vector<Eigen::Vector3d> shifts, turns;  ///< of the frames 0 to 6 of LinkFrames(); mm, rad
+  std::string source, date;
+};
+
 struct ArmSettings {
   std::string name;
+  std::string serial;  ///< of the one arm that `deviations` are of
+  std::optional<DeviationSettings> deviations;
   UrdfSettings urdf;
   DhSettings dh;
   ArmFamily family = ArmFamily::kSphericalWrist;

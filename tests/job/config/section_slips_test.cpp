@@ -190,6 +190,32 @@ TEST(SectionSlips, OfWhereExternalAxesStand) {
             "external[0].step_deg: given beside the other unit");
 }
 
+TEST(SectionSlips, OfDeviations) {
+  const auto cell = [](const std::string& arm) {
+    return Filled(CellWith(kRail, ""), {{"home_deg:", arm + "home_deg:"}});
+  };
+  const std::string zeros = "[[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0], ";
+  const auto given = [&](const std::string& more, const std::string& key = "deviations") {
+    return "  " + key + ": {shifts_mm: " + zeros + "[0, 0.5, 0]], " + more + "}\n";
+  };
+  const std::string turns = "turns_mrad: " + zeros + "[0, 0, 2]], ",
+                    whole = turns + "source: tracker, date: ";
+  const std::string serial = "  serial: A17\n";
+  const CellSettings read = ParseCell(cell(serial + given(whole + "2026-11-26")), "f.yaml");
+  EXPECT_EQ(read.arm.deviations->shifts[6].y(), 0.5);
+  EXPECT_NEAR(read.arm.deviations->turns[6].z(), 2e-3, 1e-18);
+  EXPECT_EQ(WriteCell(ParseCell(WriteCell(read), "f.yaml")), WriteCell(read));
+  ExpectCell(cell(given(whole + "2026-11-26", "^deviations")),
+             "arm.serial: missing; required with deviations");
+  ExpectCell(cell("  ^serial: A17\n"), "arm.serial: has no effect here: deviations is missing");
+  ExpectCell(cell(serial + "  absolute_accuracy: true\n" + given(whole + "2026-11-26", "^deviations")),
+             "arm.deviations: given together with absolute_accuracy: true");
+  ExpectCell(cell(serial + given(turns + "source: tracker, ^date: 26.11.2026")),
+             "arm.deviations.date: given 26.11.2026; allowed: a date such as 2026-11-26");
+  ExpectCell(cell(serial + given("^turns_mrad: [[0, 0, 0]], source: tracker, date: 2026-11-26")),
+             "arm.deviations.turns_mrad: given 1 rows; allowed: seven");
+}
+
 TEST(SectionSlips, OfGears) {
   const auto cell = [](const std::string& arm, const std::string& axes = kRail,
                        const std::string& more = "") {

@@ -17,6 +17,7 @@
 #include "machine/robot/make_pose.hpp"
 #include "program/controller_axes.hpp"
 #include "run/pipeline/operations/run_job.hpp"
+#include "toolpath/pass_ends.hpp"
 
 namespace millpose {
 namespace {
@@ -138,6 +139,19 @@ std::vector<PartPlace> CutPlaces(const std::vector<JobInputs>& operations, const
   return places;
 }
 
+/// The least that the last layer of any operation takes off, mm; none where no job says its depth.
+std::optional<double> LeastLastLayer(const std::vector<JobInputs>& operations) {
+  std::optional<double> least;
+  for (const JobInputs& inputs : operations) {
+    const Layers& layers = inputs.job.toolpath.layers;
+    if (layers.total <= 0) continue;
+    const std::vector<double> offsets = LayerOffsets(layers);
+    const double above = offsets.size() > 1 ? offsets[offsets.size() - 2] - offsets.back() : layers.total;
+    least = std::min(least.value_or(above), above);
+  }
+  return least;
+}
+
 PoseSettings AsWritten(const Pose& X) {
   const Vector3d abc = AnglesZyx(X.linear());
   PoseSettings pose;
@@ -236,6 +250,11 @@ void Judge(const ProbedSet& probed, RegisteredPart& part) {
         fmt::format("the face may be off by {:.0f} µm (95 %); allowed: "
                     "workpiece.registration.tolerance_mm, {:.0f} µm",
                     1000 * part.error.off_95, 1000 * *part.tolerance));
+  if (found.determined() && part.last_layer && part.error.off_95 > *part.last_layer)
+    part.findings.push_back(
+        fmt::format("the face may be off by {:.0f} µm (95 %), more than its last layer takes off "
+                    "(toolpath.depth, {:.0f} µm): it would be left raw in places",
+                    1000 * part.error.off_95, 1000 * *part.last_layer));
 }
 
 RegisteredPart Registered(const RegisterArguments& arguments, std::vector<JobInputs>& operations,
@@ -262,6 +281,7 @@ RegisteredPart Registered(const RegisterArguments& arguments, std::vector<JobInp
   result.milled = face.size();
   result.pose = AsWritten(result.found.X);
   result.tolerance = workpiece.registration_tolerance;
+  result.last_layer = LeastLastLayer(operations);
   result.error = ErrorOfFace(result.found.covariance, result.found.centre, face);
   if (!face.empty()) result.worst = face[result.error.worst];
   for (const PartPlace& place : face)

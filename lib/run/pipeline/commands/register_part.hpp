@@ -51,7 +51,8 @@ struct RegisteredPart {
   double rms = 0;                      ///< mm, of the distances that count
   std::vector<ProbeOutlier> outliers;  ///< worst first
   std::vector<ProposedPlace> next;
-  std::optional<double> tolerance;  ///< mm, of the job
+  std::optional<double> tolerance;   ///< mm, of the job
+  std::optional<double> last_layer;  ///< mm, that it takes off at least; empty: no job says
   std::vector<std::string> findings;
 
   /// Whether the pose may be written.

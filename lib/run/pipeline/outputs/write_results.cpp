@@ -6,6 +6,7 @@
 
 #include "job/assemble.hpp"
 #include "job/config/config.hpp"
+#include "job/geometry_error.hpp"
 #include "job/registration_error.hpp"
 #include "planning/result/write_plan.hpp"
 #include "program/verify/causes.hpp"
@@ -203,8 +204,11 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   report.lost_motion =
       ReportLostMotion(plan, MakeGearModel(results.inputs.cell), results.inputs.cell.arm.lost_motion_source,
                        FinishedFrom(results.inputs.job, plan.passes.size()));
-  report.budget = MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion,
-                             report.registration ? &*report.registration : nullptr);
+  const std::optional<GeometryFigures> geometry =
+      ErrorOfGeometry(results.inputs.cell.arm, plan, FinishedFrom(results.inputs.job, plan.passes.size()));
+  report.budget =
+      MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion,
+                 report.registration ? &*report.registration : nullptr, geometry ? &*geometry : nullptr);
   report.fixed = results.fixed;
   report.faces = results.faces;
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {
