@@ -66,6 +66,11 @@ Written Write(const Handed& handed) {
   return written;
 }
 
+struct GeometryBudget {
+  std::optional<double> largest;  ///< mm
+  std::string basis;
+};
+
 bool Says(const std::vector<std::string>& sentences, const std::string& words) {
   return std::ranges::any_of(
       sentences, [&](const std::string& sentence) { return sentence.find(words) != std::string::npos; });
@@ -81,6 +86,33 @@ TEST(WriteResults, OfASoundPlanNothingIsFoundAndEveryProgramIsWritten) {
   EXPECT_TRUE(written.report.programs[0].verified);
   for (const int motions : written.report.programs[0].motions_per_pass)
     EXPECT_GE(motions, 3) << "its points, and the way down to the first";
+}
+
+/// The small job's budget of geometry on an arm one of whose frames is off.
+GeometryBudget GeometryOf(size_t frame, const Eigen::Vector3d& shift, const Eigen::Vector3d& turn) {
+  Handed handed;
+  DeviationSettings& deviations = handed.inputs.cell.arm.deviations.emplace();
+  deviations.shifts.assign(7, Eigen::Vector3d::Zero());
+  deviations.turns.assign(7, Eigen::Vector3d::Zero());
+  deviations.shifts[frame] = shift;
+  deviations.turns[frame] = turn;
+  const Budget budget = Write(handed).report.budget.value();
+  const auto row = std::ranges::find(budget.rows, "geometry", &BudgetRow::key);
+  return {row->largest, row->basis};
+}
+
+TEST(WriteResults, DeviationsOfTheArmAreABudgetsLineOnceThePartsFrameHasTakenUpWhatItCan) {
+  const std::optional<double> none = GeometryOf(0, {0, 0, 0}, {0, 0, 0}).largest;
+  ASSERT_TRUE(none.has_value());
+  EXPECT_NEAR(*none, 0, 1e-9);
+  // The pad's normal is the base's -x: the shift shows in full, and a frame measured with the arm has it too.
+  const GeometryBudget base = GeometryOf(0, {0.7, 0, 0}, {0, 0, 0});
+  EXPECT_NEAR(base.largest.value(), 0, 1e-9);
+  EXPECT_NE(base.basis.find("from elsewhere 700 µm"), std::string::npos) << base.basis;
+  // A joint's offset turns the arm on a circle, of which no frame takes out the bend.
+  const GeometryBudget joint = GeometryOf(2, {0, 0, 0}, {0, 5e-3, 0});
+  EXPECT_GT(joint.largest.value(), 1e-4);
+  EXPECT_LT(joint.largest.value(), 1);
 }
 
 TEST(WriteResults, WhatIsNotConfirmedIsWithheldWithItsCausesAndAFewOfTheirPlaces) {
