@@ -231,7 +231,8 @@ void ProgramReader::ReadPassMark(LineScanner& scan, bool begin) {
   } catch (const InputError&) {
     return;
   }
-  if (pass != std::floor(pass) || number != std::floor(number)) return;
+  if (pass != std::floor(pass) || number != std::floor(number))
+    scan.Fail("whole numbers expected in the mark of a pass");
   const int piece = static_cast<int>(number);
   AddEvent(begin ? ProgramEvent::Kind::kPassBegin : ProgramEvent::Kind::kPassEnd, pass, piece);
   pass_ = begin ? static_cast<int>(pass) : -1;

@@ -15,7 +15,7 @@ void WriteAndVerify(benchmark::State& state, const std::string& variant, const E
   const World world(SampleCell(plan));
   const PostSettings settings = SampleSettings(variant);
   const auto post = SamplePost(variant);
-  size_t findings = 0, motions = 0;
+  size_t findings = 0, motions = 0, bytes = 0;
   for (auto _ : state) {
     const MotionProgram program = MakeMotionProgram(plan);
     const MotionProgram written = Economise(program, economy).program;
@@ -23,8 +23,11 @@ void WriteAndVerify(benchmark::State& state, const std::string& variant, const E
     const MotionProgram read = post->Read(files, plan.arm, settings);
     findings += Verify(read, world, &program, SampleOptions(plan), {.threads = 2}).size();
     motions = read.motions.size();
+    bytes = 0;
+    for (const auto& [name, text] : files) bytes += text.size();
   }
   state.counters["motions"] = static_cast<double>(motions);
+  state.counters["MB"] = static_cast<double>(bytes) / 1e6;
   state.counters["findings"] = static_cast<double>(findings);
 }
 
@@ -40,6 +43,9 @@ BENCHMARK_CAPTURE(Programs, linuxcnc_cartesian, "linuxcnc_cartesian")
     ->Iterations(1)
     ->Unit(benchmark::kSecond)
     ->UseRealTime();
+BENCHMARK_CAPTURE(Programs, rapid, "rapid")->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
+BENCHMARK_CAPTURE(Programs, fanuc, "fanuc")->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
+BENCHMARK_CAPTURE(Programs, urscript, "urscript")->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 BENCHMARK_CAPTURE(Thinned, krl, "krl")->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
 }  // namespace

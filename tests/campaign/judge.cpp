@@ -111,6 +111,26 @@ void JudgeFollow(const Polyline& fixed, const Polyline& moved, Verdict& verdict)
     verdict.Grade(follower.Follow(sample), kHarmless, kClear, "tip off by tolerances");
 }
 
+/// Whether a step that further words (tolerances, the compressor) count for at one of its ends meets the next
+/// or the last one there on the straight way of a planned step that stops exactly: there is no corner that
+/// they could round.
+bool RoundsNothing(const Block& original, const Polyline& fixed, size_t planned, const Block& mutant,
+                   const Polyline& moved, size_t at) {
+  const auto place = [](const Polyline& line, size_t step, bool end) {
+    const Sample* found = nullptr;
+    for (size_t i = 0; i < line.samples.size(); ++i) {
+      if (line.samples[i].step != step) continue;
+      found = &line.samples[i];
+      if (!end) return line.samples[i > 0 ? i - 1 : 0].p;
+    }
+    return found->p;
+  };
+  const auto elsewhere = [&](bool end) {
+    return (place(fixed, planned, end) - place(moved, at, end)).norm() > 2 * kTolerance;
+  };
+  return original.steps[planned].exact && (mutant.steps[at].exact ? elsewhere(false) : elsewhere(true));
+}
+
 void JudgeFeeds(const Block& original, const Polyline& fixed, const Block& mutant, const Polyline& moved,
                 Verdict& verdict) {
   Follower follower(fixed, kTolerance, kAngleTolerance);
@@ -126,7 +146,9 @@ void JudgeFeeds(const Block& original, const Polyline& fixed, const Block& mutan
     verdict.Grade(feed / wanted, 1.005, 1.06, "faster by");
     verdict.Grade(wanted / feed, 1.005, 1 / 0.45, "slower by");
     if (mutant.steps[at].words != original.steps[planned].words)
-      verdict.Say(Effect::kChanged, "words of a cut: " + mutant.steps[at].words);
+      verdict.Say(
+          RoundsNothing(original, fixed, planned, mutant, moved, at) ? Effect::kBorder : Effect::kChanged,
+          "words of a cut: " + mutant.steps[at].words);
     verdict.Grade(ExternalOff(original.steps[planned], mutant.steps[at]), kHarmless, kClear,
                   "axes beside the arm off by tolerances");
     if (mutant.steps[at].aside != original.steps[planned].aside)

@@ -227,6 +227,8 @@ class LinuxCnc : public Mover {
     RunModes(block);
     const bool moves = (block.HasAxes() && !Has(block.g, 10) && !Has(block.g, 92)) || Has(block.g, 1);
     const bool feeds = Has(block.g, 1) || (motion_ == 1 && !Has(block.g, 0));
+    // rs274 asks for the feed where G1 stands, be it without a way.
+    if (Has(block.g, 1) && feed_mode_ == 94 && feed_ <= 0) throw Refusal{"G1 to G3 need F"};
     if (moves && feeds && feed_mode_ == 93 && !fresh_feed_) throw Refusal{"G93 needs F"};
     if (Has(block.g, 53) && motion_ != 0 && motion_ != 1 && !Has(block.g, 0) && !Has(block.g, 1))
       throw Refusal{"G53 needs G0 or G1"};

@@ -47,21 +47,29 @@ struct Field {
   }
 };
 
-/// `access` maps an S& to the place of the value (see MILLPOSE_AT).
-template <class S, class Access, class T>
-Field<S> Key(std::string key, Access access, Codec<T> codec, std::string doc) {
+/// As Key(); made once for each pair of types, not for each key.
+template <class S, class T>
+Field<S> KeyAt(std::string key, T& (*place)(S&), Codec<T> codec, std::string doc) {
+  const auto of = [place](const S& settings) -> const T& { return place(const_cast<S&>(settings)); };
   Field<S> field;
   field.info = {std::move(key), codec.type, "", std::move(doc), false, codec.keys};
   field.schema = codec.schema;
   field.schema.Put("description", Value::Text(field.info.doc));
-  field.default_value = codec.write(access(static_cast<const S&>(S{})));
+  field.default_value = codec.write(of(S{}));
   if (codec.keys.empty() && field.default_value.kind != Value::Kind::kNull)
     field.info.default_text = WriteYamlLine(field.default_value);
-  field.read = [access, read = codec.read](const Value& value, const Context& context, S& settings) {
-    read(value, context, access(settings));
+  field.read = [place, read = codec.read](const Value& value, const Context& context, S& settings) {
+    read(value, context, place(settings));
   };
-  field.write = [access, write = codec.write](const S& settings) { return write(access(settings)); };
+  field.write = [of, write = codec.write](const S& settings) { return write(of(settings)); };
   return field;
+}
+
+/// `access` maps an S& to the place of the value (see MILLPOSE_AT).
+template <class S, class Access, class T>
+Field<S> Key(std::string key, Access, Codec<T> codec, std::string doc) {
+  return KeyAt<S, T>(
+      std::move(key), [](S& settings) -> T& { return Access{}(settings); }, std::move(codec), std::move(doc));
 }
 
 /// As Key(), for values that lie in the settings in another form.
