@@ -2,6 +2,7 @@
 #include "base/error.hpp"
 #include "job/assemble.hpp"
 #include "machine/robot/make_pose.hpp"
+#include "planning/pose/expression.hpp"
 #include "planning/pose/freedom_entry.hpp"
 #include "program/external_axes.hpp"
 #include "program/program_name.hpp"
@@ -44,7 +45,7 @@ PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_set
   problem.freedoms = FreedomsOf(job.toolpath);
   problem.compliances = MakeCompliances(cell_settings);
   ObjectiveParameters parameters = job.objective_parameters;
-  for (const ParameterRule& rule : Objectives().At(job.objective).parameters) {
+  for (const ParameterRule& rule : ObjectiveNamed(job.objective).parameters) {
     if (rule.name == "force_uncertainty_percent") parameters[rule.name] = job.force_uncertainty_percent;
     if (rule.name == "force_direction_deg") parameters[rule.name] = job.force_direction_deg;
   }
@@ -78,7 +79,7 @@ ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& 
 
 PathOptions MakePathOptions(const JobSettings& job) {
   PathOptions options = job.path;
-  options.worst_first = job.worst_first.value_or(Objectives().At(job.objective).worst_first);
+  options.worst_first = job.worst_first.value_or(ObjectiveNamed(job.objective).worst_first);
   options.swept_resolution = job.swept_resolution;
   options.ends = job.toolpath.ends;
   options.lead_spacing = job.toolpath.spacing;

@@ -140,7 +140,7 @@ Goal ReadGoal(const std::string& job_text) {
   const YAML::Node job = YAML::Load(job_text), objective = job["pose"]["objective"];
   const YAML::Node process = job["process"];
   Goal goal;
-  goal.objective = objective["name"].as<std::string>();
+  goal.objective = objective["name"].as<std::string>("");
   goal.max_halfway = job["path"]["max_halfway_deviation_mm"].as<double>(5);
   const auto range = [&](const char* key) -> std::array<Real, 2> {
     const YAML::Node given = job["toolpath"][key];

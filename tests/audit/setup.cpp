@@ -133,7 +133,7 @@ void ReadJob(const YAML::Node& job, Setup* setup) {
   setup->rings = strategy == "rings";
   setup->laid = strategy != "drill" && strategy != "trim";
   const YAML::Node objective = job["pose"]["objective"];
-  if (objective["name"].as<std::string>() == "chen2021") {
+  if (objective["name"].as<std::string>("") == "chen2021") {
     setup->w1 = objective["w1"].as<double>(0.5);
     setup->w2 = objective["w2"].as<double>(0.5);
   }

@@ -44,6 +44,7 @@ LEFT_OUT = {
     "compensation.map_csv": "another name of the same file (cli_register)",
     "workpiece.stock.unit": "a stock of another size touches at home",
     "toolpath.drill.circles.diameter_mm": "of another diameter there is no hole",
+    "pose.objective.expression": "stands in place of a name (cli_expression)",
     "toolpath.strategy": "each has keys of its own: the variants",
     "operation": "a name for people", "tool.cutter.centre_cutting": "a bound, tested with what it bounds",
     "tool.cutter.max_ramp_deg": "a bound, tested with what it bounds",

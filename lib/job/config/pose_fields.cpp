@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The keys of a job's `pose:` and `limits:`, one line each.
 #include "job/config/fields.hpp"
-#include "planning/pose/objective.hpp"
+#include "planning/pose/expression.hpp"
 
 namespace millpose::config {
 namespace {
@@ -57,6 +57,24 @@ Codec<PaperFormulationOptions> PaperFields() {
 // {name: …, further keys: numbers}: the parameters that the objective's entry names.
 using Objective = std::pair<std::string, ObjectiveParameters>;
 
+// What is wrong with an expression, each at its place; beside it there is no key.
+void ReadExpression(const Value& value, const Context& context, Objective& objective) {
+  const Value& text = *value.Find("expression");
+  const Context place = context.Child("expression");
+  for (const Value::Key& key : value.keys)
+    if (key.text != "expression")
+      context.Child(key.text).Add(key.mark, "has no effect beside expression; allowed: expression alone");
+  if (text.kind != Value::Kind::kScalar) return place.AddWrong(text, "text: an expression of indices");
+  try {
+    if (!Expression::Looks(text.text))
+      return place.Add(text.mark, UnknownName("index or function", text.text, Expression::Names()));
+    Expression{text.text};
+    objective = {text.text, {}};
+  } catch (const InputError& error) {
+    for (const Problem& problem : error.problems()) place.Add(text.mark, problem.message);
+  }
+}
+
 // What the objective does not know, and values below what it allows.
 void CheckParameters(const Value& value, const Context& context, const Objective& objective) {
   std::vector<std::string> known;
@@ -78,12 +96,22 @@ Codec<Objective> ObjectiveFields() {
   const Codec<std::string> name = Choice(Objectives().Names());
   const Codec<double> number = Real(kOne, Between(-1e6, 1e6));
   Codec<Objective> codec;
-  codec.type = "map of name and the objective's parameters";
-  codec.schema = codec_detail::SectionSchema({{"name", name.type, "", "Name of the objective.", true, {}}},
-                                             {name.schema}, {Value()});
+  codec.type = "map of name and the objective's parameters, or of expression";
+  const Codec<std::string> text = Text();
+  codec.schema =
+      codec_detail::SectionSchema({{"name", name.type, "", "Name of the objective.", false, {}, "expression"},
+                                   {"expression",
+                                    text.type,
+                                    "",
+                                    "An objective spelled by named indices (docs/objective-expression.md).",
+                                    false,
+                                    {},
+                                    "name"}},
+                                  {name.schema, text.schema}, {Value(), Value()});
   codec.schema.items.back() = number.schema;  // additionalProperties
   codec.read = [=](const Value& value, const Context& context, Objective& result) {
     if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
+    if (value.Find("expression")) return ReadExpression(value, context, result);
     if (!value.Find("name")) context.Child("name").Add(value.mark, "missing; required: " + name.type);
     const size_t problems_before = context.problems.size();
     result.second.clear();
@@ -98,7 +126,9 @@ Codec<Objective> ObjectiveFields() {
   };
   codec.write = [=](const Objective& objective) {
     Value map = Value::Map();
-    map.Put("name", name.write(objective.first));
+    const bool spelled = Expression::Looks(objective.first);
+    map.Put(spelled ? "expression" : "name",
+            spelled ? text.write(objective.first) : name.write(objective.first));
     for (const auto& [key, parameter] : objective.second) map.Put(key, number.write(parameter));
     return map;
   };

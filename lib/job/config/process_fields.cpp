@@ -2,7 +2,7 @@
 // The keys of a job's `process:`, one line each.
 #include "base/text.hpp"
 #include "job/config/fields.hpp"
-#include "planning/pose/objective.hpp"
+#include "planning/pose/expression.hpp"
 #include "toolpath/engagement/cutting_material.hpp"
 
 namespace millpose::config {
@@ -71,7 +71,7 @@ Codec<ForceFactors> ForceFactorFields() {
 
 bool AsksForceBounds(const JobSettings& job) {
   if (job.compensation.deflection != TakeOut::kOff) return true;
-  return std::ranges::any_of(Objectives().At(job.objective).parameters,
+  return std::ranges::any_of(ObjectiveNamed(job.objective).parameters,
                              [](const ParameterRule& rule) { return rule.name == kForceBounds[0]; });
 }
 

@@ -2,6 +2,7 @@
 #include "planning/pose/objective.hpp"
 
 #include "base/text.hpp"
+#include "planning/pose/expression.hpp"
 
 namespace millpose {
 
@@ -48,8 +49,14 @@ ObjectiveParameters Complete(const ObjectiveEntry& entry, const ObjectiveParamet
 
 }  // namespace
 
+ObjectiveEntry ObjectiveNamed(const std::string& name) {
+  if (!Expression::Looks(name)) return Objectives().At(name);
+  Expression{name};
+  return ExpressionEntry(name);
+}
+
 std::unique_ptr<Objective> MakeObjective(const std::string& name, const ObjectiveParameters& parameters) {
-  const ObjectiveEntry& entry = Objectives().At(name);
+  const ObjectiveEntry entry = ObjectiveNamed(name);
   std::vector<Problem> problems;
   const ObjectiveParameters all = Complete(entry, parameters, problems);
   if (!problems.empty()) throw InputError(std::move(problems));

@@ -266,6 +266,7 @@ TEST(RoundTrip, AKnownForceDecidesUnlessTheJobSays) {
   EXPECT_EQ(objective({}), "surface_error");
   EXPECT_EQ(objective({{"pose.formulation", "paper"}}), "chen2021");
   EXPECT_EQ(objective({{"pose.objective", "{name: process_force}"}}), "process_force");
+  EXPECT_EQ(objective({{"pose.objective", "{expression: 'max(mu, 2*mu)'}"}}), "max(mu, 2*mu)");
   const JobSettings bounded =
       ParseJob(WriteJob(ParseJob(text, "job", {{"process.force_direction_deg", "5"}})), "written");
   EXPECT_EQ(bounded.force_direction_deg, 5);
