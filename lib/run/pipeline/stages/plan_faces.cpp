@@ -20,7 +20,9 @@ namespace {
 constexpr size_t kMostMixed = 100;  // candidates of a pass that are mixed with any of its neighbours
 constexpr int kSequences = 300;     // looked at, one after the other, until one is free
 constexpr double kRounding = 1 + 1e-9;
-constexpr double kWorthTurning = 0.99;  // of the largest displacement, for a pass to be turned
+// Of the largest displacement: a little less of it would be paid for by displacements that vary along passes,
+// and of the marks.
+constexpr double kWorthLowering = 0.85, kWorthTurning = 0.99;
 
 /// A pass run one way round.
 struct FaceDirection {
@@ -178,20 +180,29 @@ class FacesOfJob {
     }
   }
 
-  /// Turns the pass with the largest value as long as that makes it less.
+  /// Turns the pass with the largest value as long as that makes it less; back again if the largest is not
+  /// worth it in the end.
   void LowerLargest(const std::function<double(const FaceDirection&)>& value,
                     const std::function<void(size_t)>& work_out) {
-    for (;;) {
-      size_t largest = first_;
+    const std::vector<size_t> before = at_;
+    const auto largest = [&] {
+      size_t at = first_;
       for (size_t i = first_; i < passes_.size(); ++i)
-        if (value(Now(i)) > value(Now(largest))) largest = i;
-      if (largest >= passes_.size() || value(Now(largest)) <= options_.limit || !MayTurn(largest)) return;
-      PlanTurned({largest});
-      if (!directions_[largest][1]) return;
-      work_out(largest);
-      if (value(*directions_[largest][1]) > kWorthTurning * value(Now(largest))) return;
-      at_[largest] = 1;
+        if (value(Now(i)) > value(Now(at))) at = i;
+      return at;
+    };
+    if (first_ >= passes_.size()) return;
+    const double first = value(Now(largest()));
+    for (;;) {
+      const size_t i = largest();
+      if (value(Now(i)) <= options_.limit || !MayTurn(i)) break;
+      PlanTurned({i});
+      if (!directions_[i][1]) break;
+      work_out(i);
+      if (value(*directions_[i][1]) >= value(Now(i))) break;
+      at_[i] = 1;
     }
+    if (value(Now(largest())) > kWorthLowering * first) at_ = before;
   }
 
   /// Where passes exceed the limit, as interference or the search has it, the job leaves so much anyway:
