@@ -60,6 +60,7 @@ Json StudyJson(const FaceRays& rays, const FaceStudy& study) {
   return {{"without_error", FiguresJson(rays, study.flawless.figures)},
           {"force", or_null(study.by_force)},
           {"lost_motion", or_null(study.by_lost)},
+          {"geometry", or_null(study.by_geometry)},
           {"expected", FiguresJson(rays, study.expected.figures)},
           {"drawn", DrawnJson(study.drawn)}};
 }
@@ -79,6 +80,7 @@ Json StatedJson(const StatedErrors& stated) {
                                                             {"axis_uncertainty_deg", RadToDeg(stated.lean)}}
                                                      : Json(nullptr)},
           {"gear_error", stated.gears.has_value()},
+          {"geometry", stated.geometry},
           {"registration", stated.part.has_value()}};
 }
 

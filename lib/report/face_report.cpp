@@ -39,6 +39,7 @@ std::string FaceRows(const FaceStudy& study) {
   std::string text = FaceRow("tool without error", study.flawless.figures);
   if (study.by_force) text += FaceRow("force alone", *study.by_force);
   if (study.by_lost) text += FaceRow("lost motion alone", *study.by_lost);
+  if (study.by_geometry) text += FaceRow("geometry alone", *study.by_geometry);
   text += FaceRow("expected", study.expected.figures);
   if (const size_t standing = study.expected.figures.standing; standing > 0)
     text += fmt::format("  {} places are left standing as high as the stock: passes do not quite meet\n",
@@ -62,6 +63,7 @@ std::string StatedText(const StatedErrors& stated) {
   if (stated.lost) text += "lost motion of the gears; ";
   if (stated.tip > 0 || stated.lean > 0)
     text += fmt::format("tool known to {:.4g} mm and {:.4g} deg; ", stated.tip, RadToDeg(stated.lean));
+  if (stated.geometry) text += "geometry of this arm, the part measured with it; ";
   if (stated.gears) text += "periodic error of the gears, drawn; ";
   if (stated.part) text += "where the part was registered, drawn; ";
   return text.empty() ? "nothing" : text.substr(0, text.size() - 2);
@@ -72,7 +74,7 @@ std::string StatedText(const StatedErrors& stated) {
 std::vector<std::string> NotInFace(const StatedErrors& stated) {
   std::vector<std::string> missing;
   if (!stated.gears) missing.push_back("gear error");
-  missing.push_back("geometry of the arm");
+  if (!stated.geometry) missing.push_back("geometry of the arm");
   if (!stated.part) missing.push_back("registration of the part");
   missing.insert(missing.end(), {"temperature", "dynamics", "wear of the tool"});
   return missing;

@@ -68,11 +68,15 @@ std::vector<NamedChoice> NamedChoices(const FixedComparison& fixed) {
     if (fixed.job_by_sum.rotations != fixed.job.rotations)
       named.push_back(
           {fmt::format("the job's best {}, {}", by_sum, degrees(fixed.job_by_sum)), &fixed.job_by_sum});
+    if (!fixed.job_by_length.points.empty() && fixed.job_by_length.rotations != fixed.job.rotations)
+      named.push_back({"the job's best in |cF|, " + degrees(fixed.job_by_length), &fixed.job_by_length});
   }
   if (!fixed.passes.points.empty()) {
     named.push_back({"the best rotation of each pass", &fixed.passes});
     if (fixed.passes_by_sum.rotations != fixed.passes.rotations)
       named.push_back({fmt::format("each pass's best {}", by_sum), &fixed.passes_by_sum});
+    if (!fixed.passes_by_length.points.empty() && fixed.passes_by_length.rotations != fixed.passes.rotations)
+      named.push_back({"each pass's best in |cF|", &fixed.passes_by_length});
   }
   return named;
 }

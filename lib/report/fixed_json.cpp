@@ -49,6 +49,8 @@ nlohmann::ordered_json FixedRotationJson(const PlanResult& plan, const ReportInp
           {"passes", choice(fixed->passes, false)},
           {"job_by_sum", choice(fixed->job_by_sum, true)},
           {"passes_by_sum", choice(fixed->passes_by_sum, false)},
+          {"job_by_length", choice(fixed->job_by_length, true)},
+          {"passes_by_length", choice(fixed->passes_by_length, false)},
           {"plan_reversals", TallyJson(plan.external_axes, fixed->plan_gears, known)},
           {"in_the_way", {{"job", text(fixed->job_in_the_way)}, {"passes", text(fixed->passes_in_the_way)}}}};
 }

@@ -141,6 +141,7 @@ Goal ReadGoal(const std::string& job_text) {
   const YAML::Node process = job["process"];
   Goal goal;
   goal.objective = objective["name"].as<std::string>("");
+  goal.counted = objective["direction"].as<std::string>("normal");
   goal.max_halfway = job["path"]["max_halfway_deviation_mm"].as<double>(5);
   const auto range = [&](const char* key) -> std::array<Real, 2> {
     const YAML::Node given = job["toolpath"][key];

@@ -73,6 +73,7 @@ Gears ReadGears(const std::string& cell);
 /// What job.yaml plans for.
 struct Goal {
   std::string objective;
+  std::string counted = "normal";         ///< which part of the displacement: normal, wall or any
   Real uncertainty = 0, direction = 0;    ///< of the force: a share, rad
   Vector3 given_force = Vector3::Zero();  ///< N, along feed, across, axis; zero: each point's own
   Real max_halfway = 5;                   ///< mm

@@ -33,6 +33,29 @@ OwnObjective SurfaceError(const Goal& goal, const Matrix3& c, const Vector3& n, 
   return {most * std::cos(std::max(Real{0}, acute - goal.direction)), most};
 }
 
+/// The largest |c·F′| over the same forces, by looking over the whole cone and then nearer and nearer.
+Real LargestDisplacement(const Goal& goal, const Matrix3& c, const Vector3& F) {
+  const Vector3 axis = F.normalized(), across = axis.unitOrthogonal(), beside = axis.cross(across);
+  const auto length = [&](Real off, Real turn) {
+    return (c * (std::cos(off) * axis + std::sin(off) * (std::cos(turn) * across + std::sin(turn) * beside)))
+        .norm();
+  };
+  Real best = 0, best_off = 0, best_turn = 0;
+  const auto look = [&](Real off, Real turn) {
+    off = std::clamp<Real>(off, 0, goal.direction);
+    if (const Real value = length(off, turn); value > best) best = value, best_off = off, best_turn = turn;
+  };
+  for (int i = 0; i <= 12; ++i)
+    for (int k = 0; k < 72; ++k) look(goal.direction * i / 12, k * 5 * kDegree);
+  Real off_step = goal.direction / 12, turn_step = 5 * kDegree;
+  for (int round = 0; round < 60; ++round, off_step *= 0.6L, turn_step *= 0.6L) {
+    const Real off = best_off, turn = best_turn;
+    for (const int i : {-1, 0, 1})
+      for (const int k : {-1, 0, 1}) look(off + i * off_step, turn + k * turn_step);
+  }
+  return (1 + goal.uncertainty) * F.norm() * best;
+}
+
 Real LargestInPlane(const Matrix3& c, const Vector3& n) {
   const Matrix3 across = Matrix3::Identity() - n * n.transpose();
   return Eigen::JacobiSVD<Matrix3>(c * across).singularValues()[0];
@@ -50,7 +73,10 @@ std::optional<OwnObjective> ObjectiveOf(const Folder& folder, const Row& row, co
   if (name != "surface_error" && name != "face_error" && name != "process_force") return std::nullopt;
   const std::optional<Vector3> F = ForceAt(folder, row);
   if (!F) return std::nullopt;
-  return name == "process_force" ? plain((c * *F).norm()) : SurfaceError(folder.goal, c, n, *F);
+  if (name == "process_force") return plain((c * *F).norm());
+  if (folder.goal.counted == "any") return plain(LargestDisplacement(folder.goal, c, *F));
+  const Vector3 wall = row.axis.cross(row.feed_direction).normalized();
+  return SurfaceError(folder.goal, c, folder.goal.counted == "wall" ? wall : n, *F);
 }
 
 bool NeedsForces(const Goal& goal) {

@@ -41,6 +41,26 @@ TEST(Laws, SurfaceErrorIsTheLargestOverAllForcesOfTheUncertainty) {
     }
 }
 
+TEST(Laws, TheWallIsAcrossFeedAndAxisAndAnyIsTheLongest) {
+  const Matrix3 c = Vector3(2, 3, 5).asDiagonal();
+  Folder folder;
+  Row row{};
+  row.normal = row.axis = Vector3::UnitZ();
+  row.feed_direction = Vector3::UnitX();
+  folder.deflected[0].force = Vector3(0, 10, 0);
+  const auto value = [&](const std::string& counted, int direction) {
+    folder.goal = {.objective = "surface_error", .counted = counted, .direction = direction * kDegree};
+    return static_cast<double>(ObjectiveOf(folder, row, c)->value);
+  };
+  EXPECT_NEAR(value("wall", 0), 30, 1e-12);
+  EXPECT_NEAR(value("normal", 0), 0, 1e-12);
+  EXPECT_NEAR(value("any", 0), 30, 1e-12);
+  // Turned towards z, the softest, as far as it may be.
+  const double off = static_cast<double>(20 * kDegree);
+  EXPECT_NEAR(value("any", 20), 10 * std::hypot(3 * std::cos(off), 5 * std::sin(off)), 1e-9);
+  EXPECT_NEAR(value("any", 90), 50, 1e-9);
+}
+
 TEST(Laws, ABendMayBeAQuarterMoreThanThatOfAnUnchangedRotation) {
   const Goal goal{.objective = "chen2021", .max_halfway = 5};
   EXPECT_EQ(MostHalfway(goal, 3.9L), 5);

@@ -69,7 +69,7 @@ def face_row(part, summary):
 def main():
     millpose, top, write = sys.argv[1], Path(sys.argv[2]), "--write" in sys.argv
     lines = ["| part | planned for | points | worst of that ÷ job's rotation | ÷ each pass's | worst \\|nᵀcF\\| ÷ job's | ÷ passes' | "
-             "worst \\|cF\\| ÷ job's | ÷ passes' |\n", "|---|---|---|---|---|---|---|---|---|\n"]
+             "worst \\|cF\\| ÷ job's best in \\|cF\\| | ÷ passes' best in it |\n", "|---|---|---|---|---|---|---|---|---|\n"]
     faces = ["| part | lost motion, largest µm: plan | job's rotation | each pass's | marks, summed µm: plan | job's rotation | each pass's |\n",
              "|---|---|---|---|---|---|---|\n"]
     worse = []
@@ -83,7 +83,8 @@ def main():
             for goal, settings in GOALS:
                 summary = figures(millpose, job, [*arguments, *settings], folder)
                 fixed = summary["fixed_rotation"]
-                values = [ratio(fixed, of, figure) for figure in ("objective", "normal", "length") for of in ("job", "passes")]
+                values = [ratio(fixed, of, figure) for figure in ("objective", "normal") for of in ("job", "passes")]
+                values += [ratio(fixed, of, "length") for of in ("job_by_length", "passes_by_length")]
                 lines.append(f"| {part} | {goal} | {fixed['points']} | " + " | ".join(map(cell, values)) + " |\n")
                 if not goal.startswith("before"):
                     worse += [f"{part}, {goal}: {value:.4f}" for value in values[:2] if value is not None and value > 1 + 1e-6]

@@ -75,6 +75,22 @@ void ReadExpression(const Value& value, const Context& context, Objective& objec
   }
 }
 
+// The rule of the parameter `key` of the objective `name`; nullptr where it has none.
+const ParameterRule* RuleOf(const std::string& name, const std::string& key) {
+  for (const ObjectiveEntry& entry : Objectives().entries())
+    if (entry.name == name)
+      for (const ParameterRule& rule : entry.parameters)
+        if (rule.name == key) return &rule;
+  return nullptr;
+}
+
+// A parameter that is one of the words, as the word's index.
+Codec<double> WordOf(const std::vector<std::string>& words) {
+  std::vector<std::pair<std::string, double>> choices;
+  for (size_t i = 0; i < words.size(); ++i) choices.emplace_back(words[i], static_cast<double>(i));
+  return ChoiceOf<double>(choices);
+}
+
 // What the objective does not know, and values below what it allows.
 void CheckParameters(const Value& value, const Context& context, const Objective& objective) {
   std::vector<std::string> known;
@@ -98,29 +114,42 @@ Codec<Objective> ObjectiveFields() {
   Codec<Objective> codec;
   codec.type = "map of name and the objective's parameters, or of expression";
   const Codec<std::string> text = Text();
-  codec.schema =
-      codec_detail::SectionSchema({{"name", name.type, "", "Name of the objective.", false, {}, "expression"},
-                                   {"expression",
-                                    text.type,
-                                    "",
-                                    "An objective spelled by named indices (docs/objective-expression.md).",
-                                    false,
-                                    {},
-                                    "name"}},
-                                  {name.schema, text.schema}, {Value(), Value()});
+  const auto parameter_of = [number](const std::string& objective, const std::string& key) {
+    const ParameterRule* rule = RuleOf(objective, key);
+    return rule && !rule->words.empty() ? WordOf(rule->words) : number;
+  };
+  const Codec<double> direction = WordOf(RuleOf("surface_error", "direction")->words);
+  codec.schema = codec_detail::SectionSchema(
+      {{"name", name.type, "", "Name of the objective.", false, {}, "expression"},
+       {"expression",
+        text.type,
+        "",
+        "An objective spelled by named indices (docs/objective-expression.md).",
+        false,
+        {},
+        "name"},
+       {"direction",
+        direction.type,
+        "",
+        "Of surface_error: which part of the displacement counts: along the surface normal (the default), "
+        "across the feed and the tool's axis (the side of a wall), or all of it.",
+        false,
+        {},
+        ""}},
+      {name.schema, text.schema, direction.schema}, {Value(), Value(), Value()});
   codec.schema.items.back() = number.schema;  // additionalProperties
   codec.read = [=](const Value& value, const Context& context, Objective& result) {
     if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
     if (value.Find("expression")) return ReadExpression(value, context, result);
-    if (!value.Find("name")) context.Child("name").Add(value.mark, "missing; required: " + name.type);
+    const Value* named = value.Find("name");
+    if (!named) context.Child("name").Add(value.mark, "missing; required: " + name.type);
     const size_t problems_before = context.problems.size();
     result.second.clear();
+    if (named) name.read(*named, context.Child("name"), result.first);
     for (size_t i = 0; i < value.items.size(); ++i) {
       const std::string& key = value.keys[i].text;
-      if (key == "name")
-        name.read(value.items[i], context.Child(key), result.first);
-      else
-        number.read(value.items[i], context.Child(key), result.second[key]);
+      if (key != "name")
+        parameter_of(result.first, key).read(value.items[i], context.Child(key), result.second[key]);
     }
     if (context.problems.size() == problems_before) CheckParameters(value, context, result);
   };
@@ -129,7 +158,8 @@ Codec<Objective> ObjectiveFields() {
     const bool spelled = Expression::Looks(objective.first);
     map.Put(spelled ? "expression" : "name",
             spelled ? text.write(objective.first) : name.write(objective.first));
-    for (const auto& [key, parameter] : objective.second) map.Put(key, number.write(parameter));
+    for (const auto& [key, parameter] : objective.second)
+      map.Put(key, parameter_of(objective.first, key).write(parameter));
     return map;
   };
   return codec;

@@ -100,17 +100,25 @@ class ErringPoints {
 };
 
 ErringPath::ErringPath(const PlanResult& plan, const std::vector<SeriesCompliance>& compliances,
-                       int finished_from, const std::function<Joints(const Joints&)>& weight_in) {
+                       int finished_from, const std::function<Joints(const Joints&)>& weight_in,
+                       const ArmDeviations* deviations) {
   const ErringPoints points(plan, compliances, weight_in);
+  MeasuredFrame frame;
+  if (deviations) {
+    const std::vector<OffPlace> places = OffPlaces(plan, *deviations, finished_from);
+    if (!places.empty()) frame = FrameByArm(places);
+  }
   for (const PassResult& pass : plan.passes) {
     if (pass.pass < finished_from) continue;
     for (const Segment& piece : pass.pieces) {
       Cut& cut = cuts_.emplace_back();
       cut.pass = pass.pass;
       cut.closed = piece.closed;
-      for (int t = piece.first; t <= piece.last; ++t)
-        if (pass.points[static_cast<size_t>(t)].skip == Infeasibility::kNone)
-          cut.points.push_back(points.Make(pass, static_cast<size_t>(t)));
+      for (auto t = static_cast<size_t>(piece.first); t <= static_cast<size_t>(piece.last); ++t) {
+        if (pass.points[t].skip != Infeasibility::kNone) continue;
+        ErringPath::Point& point = cut.points.emplace_back(points.Make(pass, t));
+        if (deviations) point.by_arm = OffByArm(plan, pass, t, *deviations).off - frame.At(point.nominal.tip);
+      }
     }
   }
 }
@@ -124,6 +132,7 @@ CutterPlace ErringPath::PlaceOf(const Point& point, const ToolErrors& errors, co
   Eigen::VectorXd axes = offset.head(point.by_axis.cols());
   axes.head<6>() = errors.lost.axes * (offset.head<6>() + errors.gears.At(errors.lost.gears * point.q));
   twist += point.by_axis * axes;
+  if (errors.geometry) twist += point.by_arm;
   twist.head<3>() += point.R_PT * errors.tip;
   twist.tail<3>() += point.R_PT * errors.lean;
   twist.head<3>() -= errors.part_shift + errors.part_turn.cross(point.nominal.tip - errors.part_centre);

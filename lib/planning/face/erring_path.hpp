@@ -7,6 +7,7 @@
 
 #include "machine/motion/lost_motion.hpp"
 #include "machine/stiffness/series.hpp"
+#include "planning/face/arm_geometry.hpp"
 #include "planning/result/plan_result.hpp"
 #include "toolpath/stock/swept_cutter.hpp"
 
@@ -19,6 +20,7 @@ struct ToolErrors {
   Eigen::Matrix3d force_turn = Eigen::Matrix3d::Identity();
   LostMotion lost;                                 ///< of the gears; without width none
   GearError gears;                                 ///< their periodic error; without amplitude none
+  bool geometry = false;                           ///< what the arm's deviations do
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();   ///< of the tip in the flange, in T, mm
   Eigen::Vector3d lean = Eigen::Vector3d::Zero();  ///< of the tool's direction, as a rotation in T, rad
   /// The part's shift (mm) and turn (rad) about `part_centre` from where the job has it, all in P.
@@ -31,8 +33,10 @@ class ErringPath {
  public:
   /// Of the passes from `finished_from` on, leads included. `compliances`: beside the joints' own.
   /// `weight_in` gives the torques about the arm's axes (N·mm) that its weight makes in a pose; empty: none.
+  /// `deviations`: of the arm's geometry; where the part stands was measured with this arm.
   ErringPath(const PlanResult& plan, const std::vector<SeriesCompliance>& compliances, int finished_from,
-             const std::function<Joints(const Joints& q)>& weight_in = {});
+             const std::function<Joints(const Joints& q)>& weight_in = {},
+             const ArmDeviations* deviations = nullptr);
 
   /// In P. The tip goes by c·F + J·(y − q) and the gears' periodic error, against the part's own, and what
   /// the tool itself errs by, and what compensation has commanded against the force is added; the axis turns
@@ -50,7 +54,8 @@ class ErringPath {
     Eigen::Matrix<double, 6, Eigen::Dynamic> by_axis;  ///< the same per rad (mm) of the arm's and other axes
     Joints q;
     ExternalPosition external;
-    Joints weight;  ///< torques about the arm's axes, N·mm
+    Joints weight;                           ///< torques about the arm's axes, N·mm
+    FrameTwist by_arm = FrameTwist::Zero();  ///< by its geometry, less the measured frame
   };
   struct Cut {
     int pass = 0;

@@ -29,6 +29,7 @@ ToolErrors Expected(const StatedErrors& stated) {
   ToolErrors errors;
   errors.force = stated.force ? 1 : 0;
   if (stated.lost) errors.lost = *stated.lost;
+  errors.geometry = stated.geometry;
   return errors;
 }
 
@@ -138,15 +139,18 @@ FaceStudy StudyFace(const ErringPath& path, const CutterShape& cutter, const Fac
   result.flawless = study.Cut(rays, {}, nullptr, true);
   const std::vector<RayHeight>& flawless = result.flawless.heights;
   const ToolErrors all = Expected(stated);
-  ToolErrors force, lost;
+  ToolErrors force, lost, geometry;
   force.force = all.force;
   lost.lost = all.lost;
+  geometry.geometry = all.geometry;
   result.expected = study.Cut(rays, all, &flawless, true);
   const auto alone = [&](const ToolErrors& errors, bool only) {
     return only ? result.expected.figures : study.Cut(rays, errors, &flawless, true).figures;
   };
-  if (stated.force) result.by_force = alone(force, !stated.lost);
-  if (stated.lost) result.by_lost = alone(lost, !stated.force);
+  const bool one = stated.force + stated.lost.has_value() + stated.geometry == 1;
+  if (stated.force) result.by_force = alone(force, one);
+  if (stated.lost) result.by_lost = alone(lost, one);
+  if (stated.geometry) result.by_geometry = alone(geometry, one);
   if (options.draws > 0 && stated.AreUnsure()) result.drawn = study.Draw(few);
   return result;
 }

@@ -17,6 +17,7 @@ struct StatedErrors {
   double force_share = 0;          ///< by which they may be longer or shorter
   double force_angle = 0;          ///< rad, by which they may point elsewhere
   std::optional<LostMotion> lost;  ///< widths as stated: each lies between 0 and that
+  bool geometry = false;           ///< the arm's deviations are in the path
   double tip = 0;                  ///< of the tip in the flange, mm to either side
   double lean = 0;                 ///< of the tool axis in the flange, rad
   std::optional<GearError> gears;  ///< periodic, of any phase
@@ -53,10 +54,10 @@ struct DrawnFaces {
 };
 
 struct FaceStudy {
-  CutFace flawless;                              ///< by a tool that does not err: scallops and allowance
-  std::optional<FaceFigures> by_force, by_lost;  ///< by these alone, where stated
-  CutFace expected;                              ///< by all that is stated, the tool as measured
-  std::optional<DrawnFaces> drawn;               ///< where something is unsure and draws were asked for
+  CutFace flawless;  ///< by a tool that does not err: scallops and allowance
+  std::optional<FaceFigures> by_force, by_lost, by_geometry;  ///< by these alone, where stated
+  CutFace expected;                                           ///< by all that is stated, the tool as measured
+  std::optional<DrawnFaces> drawn;  ///< where something is unsure and draws were asked for
 };
 
 struct FaceStudyOptions {

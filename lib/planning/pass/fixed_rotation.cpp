@@ -39,10 +39,8 @@ class Comparer {
         passes_.push_back({&pass, number, {}, {stations, pass, options}, {}});
       number += pass.points.size();
     }
-    ParallelFor(passes_.size(), options.threads, options.stop, [&](size_t i) {
-      passes_[i].table = MakeFixedTable(In(passes_[i]), compared_, {options.rotation_step, options.steps});
-      passes_[i].free.assign(8 * passes_[i].table.rotations, 0);
-    });
+    RankBy(stations);
+    for (OfPass& pass : passes_) pass.free.assign(8 * pass.table.rotations, 0);
   }
 
   FixedComparison Compare() {
@@ -64,6 +62,8 @@ class Comparer {
     }
     CompareJob(comparison);
     ComparePasses(comparison);
+    if (std::ranges::any_of(comparison.plan, [](const auto& point) { return point.length > 0; }))
+      CompareByLength(comparison);
     return comparison;
   }
 
@@ -75,6 +75,14 @@ class Comparer {
     FixedInterference interference;
     std::vector<char> free;  ///< per rotation and branch: 0 not looked at, 1 free, 2 not
   };
+
+  /// Ranks rotations by the objective of `ranking` from now on; what is free does not change.
+  void RankBy(const Stations& ranking) {
+    ParallelFor(passes_.size(), options_.threads, options_.stop, [&](size_t i) {
+      passes_[i].table =
+          MakeFixedTable({ranking, *passes_[i].pass}, compared_, {options_.rotation_step, options_.steps});
+    });
+  }
 
   /// Made when it is needed: where axes move along passes all points together would be many.
   PlannedIn In(const OfPass& pass) const { return {stations_, *pass.pass}; }
@@ -169,6 +177,12 @@ class Comparer {
     return best;
   }
 
+  FixedChoice ChoiceOf(const BestOfJob& best) const {
+    FixedChoice choice = FiguresOf(best.passes);
+    choice.rotations = {passes_.front().table.Rotation(best.whole.rotation)};
+    return choice;
+  }
+
   void CompareJob(FixedComparison& comparison) {
     const Criterion by{options_.worst_first};
     const std::vector<Ranked> bounds = JobBounds(by);
@@ -178,17 +192,28 @@ class Comparer {
       comparison.job_in_the_way = bounds.empty() ? WhyNoneServes() : WhyNoneIsFree(bounds, in_the_way);
       return;
     }
-    const auto chosen = [&](const BestOfJob& of) {
-      FixedChoice choice = FiguresOf(of.passes);
-      choice.rotations = {passes_.front().table.Rotation(of.whole.rotation)};
-      return choice;
-    };
-    comparison.job = chosen(best);
+    comparison.job = ChoiceOf(best);
     const Criterion worst{true};
     const double least =
         options_.worst_first ? best.whole.worst : BestForJob(JobBounds(worst), worst, in_the_way).whole.worst;
     const Criterion near{false, (1 + kNearBest) * least};
-    comparison.job_by_sum = chosen(BestForJob(JobBounds(near), near, in_the_way));
+    comparison.job_by_sum = ChoiceOf(BestForJob(JobBounds(near), near, in_the_way));
+  }
+
+  /// Where a rotation serves the job, or one each pass, those that are best in |cF|.
+  void CompareByLength(FixedComparison& comparison) {
+    PoseProblem problem = stations_.problem();
+    problem.objective = MakeObjective("process_force", {});
+    RankBy(Stations(stations_.world(), std::move(problem)));
+    const Criterion by{options_.worst_first};
+    size_t in_the_way = kNone;
+    if (!comparison.job.points.empty())
+      comparison.job_by_length = ChoiceOf(BestForJob(JobBounds(by), by, in_the_way));
+    if (comparison.passes.points.empty()) return;
+    std::vector<Ranked> best(passes_.size());
+    ParallelFor(passes_.size(), options_.threads, options_.stop,
+                [&](size_t i) { best[i] = *BestOf(passes_[i], by); });
+    comparison.passes_by_length = FiguresOf(best);
   }
 
   /// The best free rotation and branch of a pass.

@@ -70,6 +70,8 @@ struct ParameterRule {
   std::string name;
   double fallback;  ///< when the job does not give it
   double minimum;   ///< least allowed value
+  /// Where the job gives one of these words, the value is the word's index; else empty.
+  std::vector<std::string> words = {};
 };
 
 /// What the registry knows of an objective before it is made.

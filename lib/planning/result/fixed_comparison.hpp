@@ -32,6 +32,8 @@ struct FixedComparison {
   FixedChoice job, passes;  ///< best by the criterion that was planned for
   /// Least sum among those whose worst value is within kNearBest of the least worst.
   FixedChoice job_by_sum, passes_by_sum;
+  /// Best in |cF| by the same criterion, whatever was planned for; none where forces are not known.
+  FixedChoice job_by_length, passes_by_length;
   std::string job_in_the_way, passes_in_the_way;  ///< one sentence each, where there is none
 };
 

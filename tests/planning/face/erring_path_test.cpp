@@ -124,5 +124,56 @@ TEST(ErringPath, CarriesTheToolsOwnError) {
   EXPECT_LT((place.tip - X_PT * errors.tip).norm(), 1e-9);
 }
 
+// The tool goes where the arm as it is has it, against the part as measured with it: what is left of the tip
+// sums up to nothing along the normals, for any shift and turn of the frame.
+TEST(ErringPath, FollowsTheArmAsItIsAgainstThePartAsItMeasuresIt) {
+  const PlanResult plan = Loaded(Vector3d::Zero());
+  ArmDeviations deviations;
+  for (size_t i = 0; i < 7; ++i) {
+    const double k = static_cast<double>(i);
+    deviations.shift[i] = 0.2 * Vector3d(std::cos(k), std::sin(2 * k), std::cos(3 * k));
+    deviations.turn[i] = 3e-4 * Vector3d(std::sin(k), std::cos(2 * k), std::sin(3 * k));
+  }
+  ToolErrors errors;
+  errors.geometry = true;
+  const ErringPath path(plan, {}, 0, {}, &deviations);
+  const std::vector<CutterMotion> nominal = path.Motions({}), own = path.Motions(errors);
+  // Against the arm's own way and one frame for all, by a solver of its own.
+  const Pose X_PW = plan.X_WP.inverse();
+  Eigen::MatrixXd rows(18, 6);
+  Eigen::VectorXd off(18);
+  std::vector<Vector3d> moved;
+  for (int i = 0; i < 18; ++i) {
+    const PlannedPoint& point = plan.passes[static_cast<size_t>(i / 9)].points[static_cast<size_t>(i % 9)];
+    const Vector3d n = X_PW.linear() * point.point.normal, at = X_PW * point.point.position;
+    const Vector3d true_tip =
+        X_PW * (plan.X_WB * (TrueFlange(plan.arm, deviations, point.q) * plan.X_FT.translation()));
+    moved.push_back(true_tip - at);
+    rows.row(i) << n.transpose(), at.cross(n).transpose() / 1000;
+    off[i] = n.dot(moved.back());
+  }
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(1e-9);
+  const Eigen::VectorXd frame = svd.solve(off);
+  const Eigen::VectorXd left = off - rows * frame;
+  ASSERT_EQ(own.size(), 16u);
+  EXPECT_GT(off.cwiseAbs().maxCoeff(), 0.1);
+  for (size_t i = 0; i < own.size(); ++i) {
+    const int point = static_cast<int>(i / 8 * 9 + i % 8);
+    const Vector3d n = rows.row(point).head<3>();
+    EXPECT_NEAR(n.dot(own[i].from.tip - nominal[i].from.tip), left[point], 1e-6) << i;
+  }
+  // The direction turns with the arm too.
+  EXPECT_GT((own[0].from.axis - nominal[0].from.axis).norm(), 1e-5);
+  // A base that stands elsewhere is what the frame takes up.
+  ArmDeviations base;
+  base.shift[0] = {0.3, -0.2, 0.5};
+  const std::vector<CutterMotion> shifted = ErringPath(plan, {}, 0, {}, &base).Motions(errors);
+  for (size_t i = 0; i < shifted.size(); ++i) {
+    const Vector3d n = X_PW.linear() * plan.passes[i / 8].points[i % 8].point.normal;
+    EXPECT_NEAR(n.dot(shifted[i].from.tip - nominal[i].from.tip), 0, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace millpose

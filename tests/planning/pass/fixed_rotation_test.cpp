@@ -103,6 +103,36 @@ TEST(FixedRotation, IsTheBestOfAllThatServeEveryPoint) {
   EXPECT_NEAR(found.plan[0].length, (c * force).norm(), 1e-12);
 }
 
+// Beside a plan for another objective stands what one for |cF| itself would name as the best.
+TEST(FixedRotation, TheBestByLengthIsThatOfPlansForTheLength) {
+  PoseProblem problem = MakeProblem(Kr500R2830());
+  problem.objective = MakeObjective("surface_error", {});
+  const World world(EmptyCell(problem));
+  const std::vector<PassResult> planned = Plan(problem, world, Rows(), true);
+  PoseProblem by_length = problem;
+  by_length.objective = MakeObjective("process_force", {});
+  for (const bool worst_first : {true, false}) {
+    const FixedComparison found =
+        CompareWithFixed(Stations(world, problem), planned, FixedOptions(worst_first));
+    const FixedComparison expected =
+        CompareWithFixed(Stations(world, by_length), planned, FixedOptions(worst_first));
+    ASSERT_FALSE(expected.job.points.empty());
+    EXPECT_EQ(found.job_by_length.rotations, expected.job.rotations);
+    EXPECT_EQ(found.passes_by_length.rotations, expected.passes.rotations);
+    EXPECT_NE(found.job.rotations, expected.job.rotations);  // else the test would see nothing
+    for (size_t i = 0; i < expected.job.points.size(); ++i)
+      EXPECT_EQ(found.job_by_length.points[i].length, expected.job.points[i].length);
+  }
+  std::vector<Pass> idle = Rows();
+  for (Pass& row : idle)
+    for (MillingPoint& point : row.points) point.engagement = {};
+  problem.objective = MakeObjective("normal_deflection", {});
+  const FixedComparison none =
+      CompareWithFixed(Stations(world, problem), Plan(problem, world, idle, true), FixedOptions(true));
+  EXPECT_FALSE(none.job.points.empty());
+  EXPECT_TRUE(none.job_by_length.points.empty());
+}
+
 /// What all rotations of the grid of 2° give a row on their branches, by their worst value and sum.
 std::vector<std::pair<double, double>> WorstAndSumOfAll(const PoseProblem& problem, const Pass& row) {
   std::vector<std::pair<double, double>> all;

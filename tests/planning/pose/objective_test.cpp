@@ -125,6 +125,54 @@ TEST(Objectives, AreWhatTheirPagesSay) {
   }
 }
 
+// Which part of the displacement surface_error counts: the side of a wall by hand, and the longest
+// displacement against forces drawn within the cone, and against what it comes to where the cone is a line or
+// holds all.
+TEST(SurfaceError, CountsTheWallOrTheLongestDisplacement) {
+  RandomStream stream(19, 0);
+  for (int round = 0; round < 60; ++round) {
+    ObjectiveContext context;
+    context.normal = RandomUnit(stream);
+    context.feed = context.normal.cross(RandomUnit(stream)).normalized();
+    context.tool_axis = context.normal;
+    context.force = 100 * RandomUnit(stream);
+    Eigen::Matrix3d c = Eigen::Matrix3d::Zero();
+    for (int i = 0; i < 6; ++i) {
+      const Eigen::Vector3d column = stream.Uniform(0, 0.01) * RandomUnit(stream);
+      c += column * column.transpose();
+    }
+    if (round % 5 == 0) c = Eigen::Vector3d(2e-4, 2e-4, round % 2 ? 1e-4 : 3e-4).asDiagonal();
+    ComplianceBlock block;
+    for (int l = 0; l < kLanes; ++l) Put(c, l, block);
+    const auto value = [&](double direction, double off, double uncertainty = 0) {
+      Lanes out;
+      MakeObjective("surface_error", {{"direction", direction},
+                                      {"force_direction_deg", off},
+                                      {"force_uncertainty_percent", uncertainty}})
+          ->Evaluate(block, context, out);
+      return out.v[3];
+    };
+    const Eigen::Vector3d wall = context.tool_axis.cross(context.feed), displacement = c * context.force;
+    EXPECT_NEAR(value(1, 0), std::abs(wall.dot(displacement)), 1e-12 * displacement.norm());
+    EXPECT_NEAR(value(0, 0), std::abs(context.normal.dot(displacement)), 1e-12 * displacement.norm());
+    EXPECT_NEAR(value(2, 0) / displacement.norm(), 1, 1e-12);
+    const double largest = c.operatorNorm();
+    EXPECT_NEAR(value(2, 90, 30) / (130 * largest), 1, 1e-7);
+    const double any = value(2, 20);
+    double drawn = 0;
+    const Eigen::Vector3d axis = context.force.normalized(), across = axis.unitOrthogonal();
+    for (int i = 0; i < 4000; ++i) {
+      // Every other on the rim.
+      const double off = DegToRad(20) * (i % 2 ? 1 : std::sqrt(stream.Uniform(0, 1)));
+      const double turn = stream.Uniform(0, 2 * EIGEN_PI);
+      const Eigen::Vector3d side = std::cos(turn) * across + std::sin(turn) * axis.cross(across);
+      drawn = std::max(drawn, 100 * (c * (std::cos(off) * axis + std::sin(off) * side)).norm());
+    }
+    EXPECT_GE(any, drawn * (1 - 1e-9));
+    EXPECT_LE(any, drawn * (1 + 1e-4));
+  }
+}
+
 TEST(Objectives, RefuseWhatMakesNoSense) {
   EXPECT_THROW(MakeObjective("surface_error", {{"force_direction_deg", 91}}), InputError);
   EXPECT_THROW(MakeObjective("chen2021", {{"reference_n", 1e-4}}), InputError);

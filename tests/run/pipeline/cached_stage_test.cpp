@@ -77,7 +77,7 @@ TEST(ValueReader, KnowsWhatStagesReturn) {
   static_assert(CountFields<StartProgram>() == 6);
   static_assert(CountFields<Interference>() == 4);
   static_assert(CountFields<PackedCurve>() == 8);
-  static_assert(CountFields<FixedComparison>() == 8);
+  static_assert(CountFields<FixedComparison>() == 10);
   static_assert(CountFields<JobToolpath>() == 8);
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "job/assemble.hpp"
+#include "job/geometry_error.hpp"
 #include "planning/face/fixed_plan.hpp"
 #include "run/pipeline/outputs/write_results.hpp"
 #include "toolpath/strategy.hpp"
@@ -60,6 +61,7 @@ StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const Gea
   stated.tip = inputs.cell.tool.tip_uncertainty.value_or(0);
   stated.lean = inputs.cell.tool.axis_uncertainty.value_or(0);
   stated.gears = gears.error;
+  stated.geometry = inputs.cell.arm.deviations.has_value();
   if (const std::optional<RegisteredSettings>& part = inputs.job.workpiece.registered) {
     stated.part = RootOf(part->covariance);
     stated.part_centre = part->centre;
@@ -118,9 +120,13 @@ FaceReport PredictFace(const JobInputs& inputs, const PlanResult& plan, const Me
   const CutterShape cutter = MakeCutterShape(inputs.cell.tool);
   const std::vector<SeriesCompliance> compliances = MakeCompliances(inputs.cell);
   const int finished_from = FinishedFrom(inputs.job, plan.passes.size());
+  std::optional<ArmDeviations> deviations;
+  if (inputs.cell.arm.deviations) deviations = MakeDeviations(*inputs.cell.arm.deviations);
   const auto study = [&](const PlanResult& of) {
-    return StudyFace(ErringPath(of, compliances, finished_from, WeightIn(of.arm, gears)), cutter, report.rays,
-                     few, report.stated, {options.draws, inputs.job.seed, StockOver(inputs.job)}, execution);
+    const ErringPath path(of, compliances, finished_from, WeightIn(of.arm, gears),
+                          deviations ? &*deviations : nullptr);
+    return StudyFace(path, cutter, report.rays, few, report.stated,
+                     {options.draws, inputs.job.seed, StockOver(inputs.job)}, execution);
   };
   report.plan = study(plan);
   if (report.plan.flawless.figures.rays == 0)

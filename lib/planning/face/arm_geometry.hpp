@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How the tool errs because the arm's own geometry is not that of its sheet (docs/arm-deviations.md).
+#pragma once
+
+#include <vector>
+
+#include "machine/robot/deviations.hpp"
+#include "planning/result/plan_result.hpp"
+
+namespace millpose {
+
+/// Shift of a place (mm) and turn (rotation vector, rad), upper and lower three.
+using FrameTwist = Eigen::Matrix<double, 6, 1>;
+
+/// A place on the face and how far the tool is off there, in P.
+struct OffPlace {
+  Eigen::Vector3d position, normal;  ///< mm, unit
+  FrameTwist off;                    ///< of the tip, and of the tool's direction
+};
+
+/// At point `number` of a planned pass, run from the nominal angles: true less nominal.
+OffPlace OffByArm(const PlanResult& plan, const PassResult& pass, size_t number,
+                  const ArmDeviations& deviations);
+
+/// A shift and a turn about `centre`.
+struct MeasuredFrame {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< mm
+  FrameTwist twist = FrameTwist::Zero();             ///< shift of the centre; turn
+
+  /// By how much it moves a place: shift there, and turn.
+  FrameTwist At(const Eigen::Vector3d& position) const;
+};
+
+/// The frame that the part gets when it is measured with this arm all over the face: what leaves the least
+/// squares along the normals. A flat face says nothing of shifts along it: these are 0.
+MeasuredFrame FrameByArm(const std::vector<OffPlace>& places);
+
+/// All cut points of passes from `finished_from` on.
+std::vector<OffPlace> OffPlaces(const PlanResult& plan, const ArmDeviations& deviations, int finished_from);
+
+}  // namespace millpose
