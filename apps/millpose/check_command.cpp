@@ -18,6 +18,7 @@ struct CheckOptions {
   bool json = false;
   std::string view;
   std::filesystem::path split;
+  std::vector<std::string> changes;
   RootOption root;
 };
 
@@ -42,22 +43,31 @@ int TellJob(const std::vector<JobCheck>& checks, const CheckOptions& options) {
                                                                                                : kDone;
 }
 
+void RefuseChanges(const CheckOptions& options) {
+  if (!options.changes.empty())
+    throw InputError(SourceLocation{}, "--set: has no effect here; allowed: with a job (.yaml)");
+}
+
 int Check(const CheckOptions& options, Session& session) {
   const std::string extension = options.file.extension().string();
   const FileRoot root = FileRoot::Of(*options.root);
   const ViewFile view = options.view.empty() ? ViewFile() : ViewFile(options.view);
   if (extension == ".yaml" || extension == ".yml") {
-    if (IsCellFile(options.file, root)) return Tell(CheckCell({options.file, root, view}), options.json);
+    if (IsCellFile(options.file, root)) {
+      RefuseChanges(options);
+      return Tell(CheckCell({options.file, root, view}), options.json);
+    }
     std::filesystem::path job = options.file;
     if (!options.split.empty()) {
       const std::vector<std::string> names = WriteSplitJob(job, options.split, root);
       job = options.split;
       if (!options.json) fmt::print("wrote               {}: {}\n", job.string(), fmt::join(names, ", "));
     }
-    return TellJob(CheckOperations(job, {options.threads, options.max_points, view}, root, session.progress,
-                                   session.stop),
-                   options);
+    CheckJobArguments arguments{options.threads, options.max_points, view, {}};
+    for (const std::string& change : options.changes) arguments.overrides.push_back(ParseOverride(change));
+    return TellJob(CheckOperations(job, arguments, root, session.progress, session.stop), options);
   }
+  RefuseChanges(options);
   if (!options.split.empty())
     throw InputError(SourceLocation{}, "--split: needs a job (.yaml) that names a CAM file");
   return Tell(CheckMesh({options.file, MillimetresOf(options.unit), options.weld_tolerance,
@@ -95,6 +105,8 @@ void AddCheckCommand(CLI::App& app, Run& run) {
       "--split", options->split,
       "Of a job that names a CAM file for several tools or speeds: write it with an operation "
       "for each, in the file's order, to this file beside it, and check that");
+  command->add_option("--set", options->changes,
+                      "KEY=VALUE: a setting in place of the job's, like toolpath.stepover_mm=4");
   command->add_flag("--json", options->json, "Results as JSON on stdout");
   command->add_option("--max-points", options->max_points, "Points that the tool path of a job may have")
       ->check(CLI::Range(1.0, 1e9))

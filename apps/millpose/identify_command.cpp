@@ -9,10 +9,12 @@
 #include "base/loose_file.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
+#include "identify_geometry.hpp"
 #include "identify_lost_motion.hpp"
 #include "job/assemble.hpp"
 #include "job/config/measurements.hpp"
 #include "job/inputs.hpp"
+#include "machine/identification/compliance_models.hpp"
 #include "machine/identification/identify.hpp"
 #include "machine/identification/plausibility.hpp"
 
@@ -26,7 +28,7 @@ struct IdentifyWords {
   std::string file, cell, write_cell;
   std::vector<double> load_point, measured_point;
   int propose = -1;
-  bool robust = false, json = false;
+  bool robust = false, springs = false, json = false;
 };
 
 struct Task {
@@ -82,7 +84,78 @@ std::vector<LoadCase> MakeCases(const MeasurementsSettings& settings,
   return cases;
 }
 
-Json ToJson(const Identification& found, const Plausibility& judged, const Task& task) {
+/// "joint springs, tilting of links 3, 1"
+std::string NameOf(const ComplianceModel& model) {
+  std::string name = "joint springs";
+  if (!model.tilting.empty())
+    name += fmt::format(", tilting of link{} {}", model.tilting.size() > 1 ? "s" : "",
+                        fmt::join(model.tilting, ", "));
+  if (model.base) name += ", a base that moves";
+  return name;
+}
+
+/// "link 3 about x", "base along z"
+std::string NameOf(const Give& give) {
+  constexpr const char* kAxes[] = {"x", "y", "z"};
+  return fmt::format("{} {} {}", give.link == 0 ? std::string("base") : fmt::format("link {}", give.link),
+                     give.translates ? "along" : "about", kAxes[give.axis]);
+}
+
+/// rad/(N·m), or mm/N.
+double Shown(const Give& give, double compliance) { return give.translates ? compliance : compliance * 1e3; }
+
+Json ModelsJson(const ComplianceModels& models) {
+  Json list = Json::array();
+  for (const ComplianceModel& model : models.tried)
+    list.push_back({{"tilting_links", model.tilting},
+                    {"base", model.base},
+                    {"unknowns", model.unknowns},
+                    {"left_out_rms_mm", std::sqrt(model.mean_square)},
+                    {"left_out_mean_square_mm2", model.mean_square},
+                    {"standard_error_mm2", model.deviation}});
+  return {{"tried", list}, {"least", models.least}, {"chosen", models.chosen}};
+}
+
+Json BesideJson(const Identification& found) {
+  Json list = Json::array();
+  for (const GiveEstimate& one : found.beside)
+    list.push_back({{"what", NameOf(one.give)},
+                    {"unit", one.give.translates ? "mm/N" : "rad/(N*m)"},
+                    {"determined", one.determined},
+                    {"reason", one.determined ? Json() : Json(one.reason)},
+                    {"compliance", one.determined ? Json(Shown(one.give, one.compliance)) : Json()},
+                    {"lower_95", Shown(one.give, one.lower)},
+                    {"upper_95", Shown(one.give, one.upper)}});
+  return list;
+}
+
+void PrintModels(const ComplianceModels& models, const Identification& found) {
+  for (const GiveEstimate& one : found.beside) {
+    const char* unit = one.give.translates ? "mm/N" : "rad/(N·m)";
+    if (one.determined)
+      fmt::print("{:<14} gives {:>10.3g} {:>12.3g} .. {:<10.3g} {}\n", NameOf(one.give),
+                 Shown(one.give, one.compliance), Shown(one.give, one.lower), Shown(one.give, one.upper),
+                 unit);
+    else
+      fmt::print("{:<14} no number: {}; below {:.3g} {}\n", NameOf(one.give), one.reason,
+                 Shown(one.give, one.upper), unit);
+  }
+  if (models.tried.size() == 1) return;
+  fmt::print(
+      "\nmodel: {}, the simplest that foretells poses left out as well as any (within one standard "
+      "error)\n",
+      NameOf(models.tried[models.chosen]));
+  fmt::print("unknowns   left out, mm RMS   model\n");
+  for (size_t i = 0; i < models.tried.size(); ++i)
+    fmt::print("{:<8} {:>18.4f}   {}{}\n", models.tried[i].unknowns, std::sqrt(models.tried[i].mean_square),
+               NameOf(models.tried[i]),
+               i == models.chosen  ? "  <- chosen"
+               : i == models.least ? "  (least)"
+                                   : "");
+}
+
+Json ToJson(const Identification& found, const ComplianceModels& models, const Plausibility& judged,
+            const Task& task) {
   Json joints = Json::array();
   const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
   for (int j = 0; j < 6; ++j) {
@@ -106,6 +179,8 @@ Json ToJson(const Identification& found, const Plausibility& judged, const Task&
   const bool solved = !found.residuals.empty();
   return {{"schema_version", 1},
           {"joints", joints},
+          {"compliances", BesideJson(found)},
+          {"models", ModelsJson(models)},
           {"condition", found.condition},
           {"residual_level", solved ? Json(found.level) : Json()},
           {"residual_rms_mm", solved ? Json(found.rms) : Json()},
@@ -137,7 +212,8 @@ void PrintResiduals(const Identification& found, const Plausibility& judged, con
   }
 }
 
-void Print(const Identification& found, const Plausibility& judged, const Task& task) {
+void Print(const Identification& found, const ComplianceModels& models, const Plausibility& judged,
+           const Task& task) {
   fmt::print("joint   stiffness  std. deviation        95 % interval           left out: largest change\n");
   for (int j = 0; j < 6; ++j) {
     const JointEstimate& joint = found.joints[j];
@@ -151,6 +227,7 @@ void Print(const Identification& found, const Plausibility& judged, const Task& 
                joint.stiffness * kNmPerNmm, joint.deviation * kNmPerNmm, joint.lower * kNmPerNmm,
                joint.upper * kNmPerNmm, 100 * joint.largest_change, joint.most_influential + 1);
   }
+  PrintModels(models, found);
   fmt::print("\n{} measurements in {} poses; condition number {:.3g} (columns scaled to 1)\n",
              found.pose_of_case.size(), found.poses, found.condition);
   if (!found.residuals.empty()) PrintResiduals(found, judged, task);
@@ -173,6 +250,24 @@ void CheckCellFile(const IdentifyWords& options, const Task& task) {
                                                        task.cell_file.string()));
 }
 
+/// As a cell has them, by link.
+std::vector<ComplianceSettings> CompliancesOf(const Identification& found) {
+  std::vector<ComplianceSettings> all;
+  for (const GiveEstimate& one : found.beside) {
+    if (!one.determined) continue;
+    auto same = std::ranges::find(all, one.give.link, &ComplianceSettings::link);
+    if (same == all.end()) {
+      ComplianceSettings& added = all.emplace_back();
+      added.name =
+          one.give.link == 0 ? std::string("base") : fmt::format("tilting of link {}", one.give.link);
+      added.link = one.give.link;
+      same = all.end() - 1;
+    }
+    (one.give.translates ? same->translational : same->rotational)[one.give.axis] = one.compliance;
+  }
+  return all;
+}
+
 void WriteCellFile(const IdentifyWords& options, const Task& task, const Identification& found) {
   IdentifiedStiffness written;
   written.stiffness = task.arm.stiffness;
@@ -190,7 +285,8 @@ void WriteCellFile(const IdentifyWords& options, const Task& task, const Identif
   written.source = "millpose identify " + std::filesystem::path(options.file).filename().string();
   if (!kept.empty()) written.source += ", but as before:" + kept;
   EditLooseFile(options.write_cell, [&](const std::string& text) {
-    return ReplaceJointStiffness(text, options.write_cell, written);
+    return ReplaceCompliances(ReplaceJointStiffness(text, options.write_cell, written), options.write_cell,
+                              CompliancesOf(found));
   });
   const std::string note = kept.empty() ? "" : "; not determined and kept:" + kept;
   std::fputs(fmt::format("millpose: {} updated{}\n", options.write_cell, note).c_str(), stderr);
@@ -249,12 +345,19 @@ int Identify(const IdentifyWords& options) {
   if (task.settings.measurements.empty())
     throw InputError({options.file}, "no measurements; allowed: at least one, or two_way");
   const std::vector<LoadCase> cases = MakeCases(task.settings, task.settings.measurements);
-  const Identification found = IdentifyJointStiffness(task.arm, cases, task.options);
-  const Plausibility judged = JudgeIdentification(task.arm, cases, task.options, found);
-  if (options.json)
-    fmt::print("{}\n", ToJson(found, judged, task).dump(2));
+  ComplianceModels models;
+  if (options.springs)
+    models.tried.emplace_back();
   else
-    Print(found, judged, task);
+    models = TryModels(task.arm, cases, task.options);
+  IdentifyOptions with = task.options;
+  with.beside = models.tried[models.chosen].Gives();
+  const Identification found = IdentifyJointStiffness(task.arm, cases, with);
+  const Plausibility judged = JudgeIdentification(task.arm, cases, with, found);
+  if (options.json)
+    fmt::print("{}\n", ToJson(found, models, judged, task).dump(2));
+  else
+    Print(found, models, judged, task);
   if (!options.write_cell.empty() && !judged.usable)
     fmt::print(stderr, "millpose: {} is unchanged: the measurements are not plausible\n", options.write_cell);
   if (!options.write_cell.empty() && judged.usable) WriteCellFile(options, task, found);
@@ -267,9 +370,11 @@ int Identify(const IdentifyWords& options) {
 void AddIdentifyCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
       "identify",
-      "Joint stiffness, N·m/rad, from measured deflections under load (docs/identification.md), or lost "
+      "Joint stiffness, N·m/rad, from measured deflections under load (docs/identification.md), lost "
       "motion,\n"
-      "arcmin, from readings taken both ways (docs/lost-motion.md).\n"
+      "arcmin, from readings taken both ways (docs/lost-motion.md), or with --geometry the arm's deviations "
+      "from its\n"
+      "sheet, mm and mrad, from a tracker's readings (docs/geometry-identification.md).\n"
       "Exit status 1: some joint could not be determined, or a finding on readings, stiffness or residual.");
   static IdentifyWords options;
   command->add_option("measurements", options.file, "Measurements, YAML or CSV")->required();
@@ -280,6 +385,9 @@ void AddIdentifyCommand(CLI::App& app, Run& run) {
   command->add_option("--measured-point-mm", options.measured_point, "Measured point, flange frame, mm")
       ->expected(3);
   command->add_flag("--robust", options.robust, "Huber's weights against blunders");
+  command->add_flag("--springs", options.springs,
+                    "Springs in the joints alone; else links that tilt and a base that moves, where they "
+                    "foretell poses left out better");
   command
       ->add_option(
           "--propose", options.propose,
@@ -288,7 +396,48 @@ void AddIdentifyCommand(CLI::App& app, Run& run) {
   command->add_option("--write-cell", options.write_cell,
                       "Put the result into this cell file, keeping its comments");
   command->add_flag("--json", options.json, "Results as JSON on stdout");
-  command->callback([&run] { run = [](Session&) { return Identify(options); }; });
+  static GeometryWords geometry;
+  static bool is_geometry = false;
+  CLI::Option* const whether =
+      command->add_flag("--geometry", is_geometry,
+                        "The measurements are a tracker's: angles and reflectors (CSV); needs --cell");
+  const auto with = [&](CLI::Option* option) { option->needs(whether); };
+  static std::vector<std::string> more;
+  with(command->add_option("--more", more, "Further readings, each file with the tracker somewhere else"));
+  with(command->add_option("--foretell", geometry.foretell,
+                           "Readings that are not fitted: how well the fit foretells them"));
+  with(command
+           ->add_option("--shift-prior-mm", geometry.shift_prior,
+                        "How far an arm's frames are from its sheet, standard deviation")
+           ->check(CLI::Range(1e-3, 100.0))
+           ->capture_default_str());
+  with(command->add_option("--turn-prior-mrad", geometry.turn_prior, "Likewise how much they are turned")
+           ->check(CLI::Range(1e-3, 1000.0))
+           ->capture_default_str());
+  with(command->add_flag("--weight", geometry.weight,
+                         "The arm sags by its weight, as stiffness.gravity of the cell says"));
+  with(command->add_option("--serial", geometry.serial, "Serial number of the arm, for --write-cell"));
+  with(command->add_option("--date", geometry.date, "Day of the readings, year-month-day, for --write-cell"));
+  command->callback([&run, whether] {
+    if (whether->count() == 0) {
+      run = [](Session&) { return Identify(options); };
+      return;
+    }
+    run = [](Session&) {
+      geometry.files = {options.file};
+      geometry.files.insert(geometry.files.end(), more.begin(), more.end());
+      geometry.cell = options.cell;
+      geometry.write_cell = options.write_cell;
+      geometry.propose = options.propose;
+      geometry.json = options.json;
+      if (options.robust || options.springs || !options.load_point.empty() || !options.measured_point.empty())
+        throw InputError(
+            SourceLocation{},
+            "--geometry: --robust, --springs, --load-point-mm and --measured-point-mm have no effect "
+            "with it");
+      return IdentifyGeometry(geometry);
+    };
+  });
 }
 
 }  // namespace millpose

@@ -36,7 +36,7 @@ std::string Bar(double share) {
 }
 
 // "40 s", "7 min", "2 h 10 min": an estimate has no more digits.
-std::string Span(double seconds) {
+std::string SpanText(double seconds) {
   const long long minutes = std::llround(seconds / 60);
   if (seconds < 90) return fmt::format("{:.0f} s", seconds);
   if (minutes < 90) return fmt::format("{} min", minutes);
@@ -120,7 +120,7 @@ std::string TerminalProgress::State(const Figures& figures) const {
   if (percent_) return fmt::format("{} %, {:.0f} s", *percent_, figures.elapsed_s);
   std::string state = fmt::format("{} of {} ({:.0f} %)", done_, total_, 100 * *figures.share);
   if (left_by_)
-    state += figures.left_s ? ", about " + Span(*figures.left_s) + " left" : ", time left not known yet";
+    state += figures.left_s ? ", about " + SpanText(*figures.left_s) + " left" : ", time left not known yet";
   else if (figures.left_s)
     state += fmt::format(", {:.3g}/s, {:.0f} s left", *figures.per_s, *figures.left_s);
   if (!doing_.empty()) state += ": " + doing_;

@@ -91,15 +91,16 @@ std::array<Matrix4, 7> Frames(const Setup& s, const Angles& angles) {
   Angles q;
   for (size_t i = 0; i < 6; ++i) q[i] = s.sign[i] * angles[i] + s.offset[i];
   std::array<Matrix4, 7> frame;
-  frame[0] = s.X_WB;
-  frame[1] = frame[0] * Shift(0, 0, s.d1) * Turn(2, q[0]);
-  frame[2] = frame[1] * Shift(s.a1, s.dy, 0) * Turn(1, q[1]);
-  frame[3] = frame[2] * Shift(s.a2, 0, 0) * Turn(1, q[2]);
+  const std::array<Matrix4, 7>& off = s.deviations;
+  frame[0] = s.X_WB * off[0];
+  frame[1] = frame[0] * Shift(0, 0, s.d1) * Turn(2, q[0]) * off[1];
+  frame[2] = frame[1] * Shift(s.a1, s.dy, 0) * Turn(1, q[1]) * off[2];
+  frame[3] = frame[2] * Shift(s.a2, 0, 0) * Turn(1, q[2]) * off[3];
   // With parallel axes the forearm's x, about which joint 4 turns, points along axis 3.
   const Matrix4 last = frame[3] * Shift(s.d4, 0, s.dz);
-  frame[4] = (s.parallel ? Matrix4(last * Turn(2, 90 * kDegree)) : last) * Turn(0, q[3]);
-  frame[5] = frame[4] * Shift(0, -s.d5, 0) * Turn(1, q[4]);
-  frame[6] = frame[5] * Turn(0, q[5]) * Shift(s.d6, 0, 0) * Turn(1, 90 * kDegree);
+  frame[4] = (s.parallel ? Matrix4(last * Turn(2, 90 * kDegree)) : last) * Turn(0, q[3]) * off[4];
+  frame[5] = frame[4] * Shift(0, -s.d5, 0) * Turn(1, q[4]) * off[5];
+  frame[6] = frame[5] * Turn(0, q[5]) * Shift(s.d6, 0, 0) * Turn(1, 90 * kDegree) * off[6];
   return frame;
 }
 

@@ -94,6 +94,10 @@ struct Setup {
   bool stiffness_at_flange = false;
   std::vector<Spring> springs;
   Matrix4 X_WB, X_FT, X_WP;
+  /// By how much each of Frames() stands elsewhere, in its own axes; identities where the arm is its sheet's.
+  std::array<Matrix4, 7> deviations = {Matrix4::Identity(), Matrix4::Identity(), Matrix4::Identity(),
+                                       Matrix4::Identity(), Matrix4::Identity(), Matrix4::Identity(),
+                                       Matrix4::Identity()};
   std::vector<ExternalAxis> axes;  ///< all at 0, as what stands in the world; each carries the later ones
   Real w1 = 0, w2 = 0;             ///< of objective chen2021; both 0 for others
   Real spacing = 0;                ///< mm

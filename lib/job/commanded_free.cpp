@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job/commanded_free.hpp"
 
+#include <map>
 #include <set>
 
 #include "base/parallel.hpp"
@@ -9,6 +10,7 @@
 #include "planning/links/job_planner.hpp"
 #include "planning/links/retract.hpp"
 #include "planning/pass/cut_check.hpp"
+#include "planning/result/skipped.hpp"
 #include "planning/result/station.hpp"
 #include "program/verify/coordinated_path.hpp"
 
@@ -86,8 +88,8 @@ std::string WhyNotAlong(const Stations& stations, const PlanResult& plan, const 
 
 }  // namespace
 
-std::vector<std::string> KeepCommandedFree(const Stations& stations, double resolution,
-                                           const Execution& execution, PlanResult& plan) {
+std::vector<BlockedPiece> BlockedWhereCommanded(const Stations& stations, double resolution,
+                                                const Execution& execution, const PlanResult& plan) {
   const std::vector<Line> lines = LinesOf(plan);
   std::vector<std::string> found(lines.size());
   ParallelFor(lines.size(), execution.Threads(), execution.stop, [&](size_t i) {
@@ -102,16 +104,34 @@ std::vector<std::string> KeepCommandedFree(const Stations& stations, double reso
                                       NearestEquivalent(lines[i].from, lines[i].to), resolution))
       found[i] = Describe(checker, *problem);
   });
-  std::vector<std::string> findings;
+  std::vector<BlockedPiece> blocked;
   std::set<std::pair<size_t, size_t>> told;
-  for (size_t i = 0; i < lines.size(); ++i) {
-    if (found[i].empty() || !told.emplace(lines[i].pass, lines[i].piece).second) continue;
-    PassResult& pass = plan.passes[lines[i].pass];
-    LeaveNominal(pass, pass.pieces[lines[i].piece]);
+  for (size_t i = 0; i < lines.size(); ++i)
+    if (!found[i].empty() && told.emplace(lines[i].pass, lines[i].piece).second)
+      blocked.push_back({lines[i].pass, lines[i].piece, found[i]});
+  return blocked;
+}
+
+std::vector<std::string> KeepCommandedFree(const Stations& stations, const CompensationOptions& options,
+                                           double resolution, const Execution& execution, PlanResult& plan) {
+  std::vector<std::string> findings;
+  for (const BlockedPiece& blocked : BlockedWhereCommanded(stations, resolution, execution, plan)) {
+    const PassResult& pass = plan.passes[blocked.pass];
+    const Segment& piece = pass.pieces[blocked.piece];
+    LeaveNominal(options, blocked.pass, piece, plan);
     findings.push_back(fmt::format("pass {} piece {} is not compensated: where it is commanded, {}",
-                                   pass.pass, pass.pieces[lines[i].piece].piece, found[i]));
+                                   pass.pass, piece.piece, blocked.why));
   }
   return findings;
+}
+
+size_t LeaveOutPieces(const std::vector<BlockedPiece>& pieces, Infeasibility reason, PlanResult& plan) {
+  std::map<std::pair<size_t, size_t>, std::string> each;
+  for (const BlockedPiece& piece : pieces) each.try_emplace({piece.pass, piece.piece}, piece.why);
+  // From the last to the first: leaving one out renumbers those after it in its pass.
+  for (auto at = each.rbegin(); at != each.rend(); ++at)
+    LeaveOut(plan.passes[at->first.first], static_cast<int>(at->first.second), reason, at->second);
+  return each.size();
 }
 
 }  // namespace millpose

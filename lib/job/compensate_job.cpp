@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job/compensate_job.hpp"
 
+#include "base/error.hpp"
 #include "base/trig.hpp"
 #include "job/assemble.hpp"
 #include "job/commanded_free.hpp"
+#include "job/geometry_error.hpp"
 #include "job/job_engagement.hpp"
 #include "job/measured_forces.hpp"
 #include "job/measured_map.hpp"
 #include "planning/compensation/gain.hpp"
+#include "planning/result/skipped.hpp"
 
 namespace millpose {
 namespace {
@@ -65,6 +68,12 @@ std::vector<Problem> CheckCompensation(const JobSettings& job, const CellSetting
   std::vector<Problem> problems;
   CheckWeight(job, cell, problems);
   CheckTilt(job, cell, problems);
+  if (job.compensation.deviations && !cell.arm.deviations)
+    problems.push_back(
+        {{job.file},
+         fmt::format("compensation.deviations: given true; cell {} has no arm.deviations, which "
+                     "say how the arm differs from its sheet",
+                     cell.name)});
   const bool on = job.compensation.deflection != TakeOut::kOff || job.compensation.weight;
   if (on && cell.stiffness_at != StiffnessOrigin::kToolTip)
     problems.push_back({{job.file},
@@ -89,6 +98,7 @@ CompensationOptions MakeCompensationOptions(const JobSettings& job, const CellSe
   options.layers = LayerOffsets(job.toolpath.layers).size();
   options.cutter_radius = cell.tool.cutter_diameter / 2;
   options.beside = MakeCompliances(cell);
+  options.deviations = CommandedDeviations(job, cell);
   if (from.weight) {
     const Arm arm = MakeArm(cell.arm);
     const Vector3d tip = cell.tool.tip;
@@ -98,6 +108,46 @@ CompensationOptions MakeCompensationOptions(const JobSettings& job, const CellSe
     };
   }
   return options;
+}
+
+std::optional<ArmDeviations> CommandedDeviations(const JobSettings& job, const CellSettings& cell) {
+  if (!job.compensation.deviations) return std::nullopt;
+  return MakeDeviations(*cell.arm.deviations);
+}
+
+Stations StationsAsItIs(const JobInputs& inputs, const Stations& stations) {
+  const std::optional<ArmDeviations> deviations = CommandedDeviations(inputs.job, inputs.cell);
+  if (!deviations) return stations;
+  return {World(AsItIs(stations.world().cell(), *deviations)), stations.problem()};
+}
+
+size_t CommandForTheArm(const JobInputs& inputs, PlanResult& plan) {
+  CompensationOptions options;
+  options.deviations = CommandedDeviations(inputs.job, inputs.cell);
+  if (!options.deviations) return 0;
+  const CompensationCounts counts = Compensate(options, ForcesOf(plan), plan);
+  if (counts.largest_arm_shift > inputs.job.compensation.most_deviation)
+    throw InputError(
+        {inputs.job.file},
+        fmt::format("compensation.deviations: the deviations of cell {} move the tip by up to {:.3f} "
+                    "mm; allowed: {:.6g} mm (compensation.max_deviation_mm)",
+                    inputs.cell.name, counts.largest_arm_shift, inputs.job.compensation.most_deviation));
+  std::vector<BlockedPiece> unreached;
+  for (const auto& [p, i] : counts.out_of_reach)
+    unreached.push_back({p, static_cast<size_t>(plan.passes[p].points[i].piece),
+                         fmt::format("with its deviations the arm does not reach point {} of the pass within "
+                                     "its limits",
+                                     i)});
+  return LeaveOutPieces(unreached, Infeasibility::kLimit, plan);
+}
+
+size_t LeaveOutBlocked(const JobInputs& inputs, const Stations& as_it_is, const Execution& execution,
+                       PlanResult& plan) {
+  if (!inputs.job.compensation.deviations) return 0;
+  std::vector<BlockedPiece> blocked =
+      BlockedWhereCommanded(as_it_is, inputs.job.swept_resolution, execution, plan);
+  for (BlockedPiece& piece : blocked) piece.why = "where the arm as it is is commanded, " + piece.why;
+  return LeaveOutPieces(blocked, Infeasibility::kInterference, plan);
 }
 
 std::vector<std::vector<double>> FeedsOf(const PlanResult& plan) {
@@ -125,7 +175,7 @@ CompensationNotes CompensateJob(const JobInputs& inputs, const Stations& station
   if (mapped) CheckOthers(inputs, plan);
   CompensationNotes notes;
   execution.progress.Begin("compensation", 0);
-  notes.findings = KeepCommandedFree(stations, inputs.job.swept_resolution, execution, plan);
+  notes.findings = KeepCommandedFree(stations, options, inputs.job.swept_resolution, execution, plan);
   notes.remains = MedianRemains(options, plan);
   execution.progress.End(fmt::format("{} points shifted", counts.shifted));
   if (counts.cut > 0)
@@ -135,7 +185,7 @@ CompensationNotes CompensateJob(const JobInputs& inputs, const Stations& station
         counts.cut, options.most, counts.largest_cut));
   if (counts.unreached > 0)
     notes.findings.push_back(
-        fmt::format("compensation: {} points keep their nominal poses, the arm does not reach the others",
+        fmt::format("compensation: {} points are not shifted, the arm does not reach the shifted poses",
                     counts.unreached));
   return notes;
 }

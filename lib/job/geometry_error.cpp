@@ -20,7 +20,7 @@ std::optional<GeometryFigures> ErrorOfGeometry(const ArmSettings& arm, const Pla
   const std::vector<OffPlace> places = OffPlaces(plan, MakeDeviations(*arm.deviations), finished_from);
   if (places.empty()) return std::nullopt;
   const MeasuredFrame frame = FrameByArm(places);
-  GeometryFigures figures{0, 0, arm.serial, arm.deviations->date};
+  GeometryFigures figures{0, 0, arm.serial, arm.deviations->date, false, arm.deviations->uncertainty};
   for (const OffPlace& place : places) {
     const Eigen::Vector3d off = place.off.head<3>(), left = off - frame.At(place.position).head<3>();
     figures.largest = std::max(figures.largest, std::abs(place.normal.dot(left)));

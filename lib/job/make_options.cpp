@@ -195,8 +195,13 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
         fmt::format("tool.name: given '{}'; allowed where programs are written: 1 to 32 plain ASCII "
                     "characters, none of \" ( ) {{ }} ;, blanks only one at a time between others",
                     post.tool_name));
-  if (const std::string refusal = cell.controllers.at(controller).post->WhyNotIn(post); !refusal.empty())
-    throw InputError(SourceLocation{cell.file, cell.controllers_line}, refusal);
+  if (const std::string refusal = cell.controllers.at(controller).post->WhyNotIn(post); !refusal.empty()) {
+    const std::string whose =
+        cell.tools.empty()
+            ? ""
+            : fmt::format(" (its tool.* are those of {}, of the cell's tools)", cell.tool.name);
+    throw InputError(SourceLocation{cell.file, cell.controllers_line}, refusal + whose);
+  }
   return post;
 }
 

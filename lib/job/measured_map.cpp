@@ -89,7 +89,8 @@ std::string MapCsv(const std::vector<MapRow>& rows) {
 
 double OtherAlongNormal(const PlannedPoint& point) {
   if (!point.compensation) return 0;
-  return point.compensation->normal.taken + point.compensation->weight.dot(point.point.normal);
+  const Compensation& c = *point.compensation;
+  return c.normal.taken + (c.weight - c.arm_shift).dot(point.point.normal);
 }
 
 PointAmounts ReadMap(const JobInputs& inputs, const PlanResult& plan) {
@@ -134,8 +135,8 @@ void CheckOthers(const JobInputs& inputs, const PlanResult& plan) {
     if (std::abs(now - then) > kSame)
       reader.Add(row,
                  fmt::format("compensation takes out {:.2f} µm here beside the map, and {:.2f} when the "
-                             "measured part was milled; allowed: the same to {} µm, with process, stiffness "
-                             "and compensation as they were then",
+                             "measured part was milled; allowed: the same to {} µm, with process, stiffness, "
+                             "deviations and compensation as they were then",
                              now, then, kSame));
   });
 }

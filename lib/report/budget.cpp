@@ -114,7 +114,15 @@ Budget MakeBudget(const DeflectionReport* deflection, const LostMotionReport& lo
                 "transmission error of the gears; published: some 10 to 60 arcsec, in every joint at once "
                 "{} here; it repeats, and much of it is the same for any pose",
                 Between(10 * kArcsecond, 60 * kArcsecond, levers)));
-  if (geometry != nullptr)
+  if (geometry != nullptr && geometry->taken_out)
+    budget.rows.push_back(
+        {"geometry", "geometry", std::max(geometry->largest, geometry->uncertainty.value_or(0)),
+         fmt::format("taken out of the programs for arm {} as measured on {} (compensation.deviations); {}",
+                     geometry->serial, geometry->date,
+                     geometry->uncertainty ? "what the measurements leave, with 95 % probability"
+                                           : "by how much the measurements are off is not in it "
+                                             "(arm.deviations.uncertainty_mm)")});
+  else if (geometry != nullptr)
     budget.rows.push_back(
         {"geometry", "geometry", geometry->largest,
          fmt::format("arm {} as measured on {}, its controller computing with the nominal one and the part's "

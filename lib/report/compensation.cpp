@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/compensation.hpp"
 
+#include "base/units.hpp"
 #include "planning/result/station.hpp"
 
 namespace millpose {
@@ -40,6 +41,9 @@ std::optional<CompensationFigures> FiguresOfCompensation(const PlanResult& plan)
       figures.largest_shift = std::max(figures.largest_shift, c.shift.norm());
       figures.largest_map = std::max(figures.largest_map, std::abs(c.map));
       figures.largest_weight = std::max(figures.largest_weight, c.weight.norm());
+      figures.largest_arm_shift = std::max(figures.largest_arm_shift, c.arm_shift.norm());
+      figures.largest_arm_turn = std::max(figures.largest_arm_turn, c.arm_turn.norm());
+      figures.shifts |= !c.shift.isZero(0.0) || !c.force.isZero(0.0);
       if (c.force.isZero(0.0)) continue;
       const Compensation::Along& d = c.normal;
       ++figures.points;
@@ -59,7 +63,9 @@ std::string CompensationCsv(const PlanResult& plan) {
   for (const char* along : {"normal", "across"})
     for (const char* what : {"low", "expected", "high", "taken", "after", "worst_before", "worst_after"})
       fmt::format_to(std::back_inserter(csv), ",{}_{}_um", along, what);
-  csv += ",shift_x_um,shift_y_um,shift_z_um,weight_x_um,weight_y_um,weight_z_um,cut_to_max,map_um\n";
+  csv +=
+      ",shift_x_um,shift_y_um,shift_z_um,weight_x_um,weight_y_um,weight_z_um,cut_to_max,map_um"
+      ",arm_x_um,arm_y_um,arm_z_um,arm_turn_x_mrad,arm_turn_y_mrad,arm_turn_z_mrad\n";
   size_t number = 0;
   for (const PassResult& pass : plan.passes) {
     for (size_t i = 0; i < pass.points.size(); ++i) {
@@ -74,16 +80,26 @@ std::string CompensationCsv(const PlanResult& plan) {
       AppendAlong(c.across, row);
       AppendVector(kMicrometres * (R_PW * c.shift), row);
       AppendVector(-kMicrometres * (R_PW * c.weight), row);
-      csv += row + fmt::format(",{},{:.17g}\n", c.bounded ? 1 : 0, kMicrometres * c.map);
+      fmt::format_to(std::back_inserter(row), ",{},{:.17g}", c.bounded ? 1 : 0, kMicrometres * c.map);
+      AppendVector(kMicrometres * (R_PW * c.arm_shift), row);
+      AppendVector(1e3 * (R_PW * c.arm_turn), row);
+      csv += row + '\n';
     }
   }
   return csv;
 }
 
 std::string CompensationText(const CompensationFigures& f) {
-  std::string text = fmt::format("compensation of {} cut points, tip shifted by at most {:.1f} µm\n",
-                                 f.points, kMicrometres * f.largest_shift);
+  std::string text;
   const auto out = std::back_inserter(text);
+  if (f.largest_arm_shift > 0)
+    fmt::format_to(out,
+                   "the arm's deviations are taken out: tip commanded up to {:.3f} mm elsewhere, tool "
+                   "turned by up to {:.3f} deg\n",
+                   f.largest_arm_shift, RadToDeg(f.largest_arm_turn));
+  if (f.shifts || f.largest_arm_shift == 0)
+    fmt::format_to(out, "compensation of {} cut points, tip shifted by at most {:.1f} µm\n", f.points,
+                   kMicrometres * f.largest_shift);
   if (f.points > 0)
     fmt::format_to(
         out,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/compensation_json.hpp"
 
+#include "base/units.hpp"
+
 namespace millpose {
 
 nlohmann::ordered_json CompensationJson(const CompensationFigures& f) {
@@ -16,6 +18,8 @@ nlohmann::ordered_json CompensationJson(const CompensationFigures& f) {
           {"largest_shift_um", kMicrometres * f.largest_shift},
           {"largest_weight_um", kMicrometres * f.largest_weight},
           {"largest_map_um", kMicrometres * f.largest_map},
+          {"largest_deviation_mm", f.largest_arm_shift},
+          {"largest_deviation_deg", RadToDeg(f.largest_arm_turn)},
           {"normal",
            {{"expected_before_um", kMicrometres * f.expected_before},
             {"expected_after_um", kMicrometres * f.expected_after},

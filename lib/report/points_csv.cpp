@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/units.hpp"
+#include "machine/motion/rotation_vector.hpp"
 #include "report/leans.hpp"
 #include "report/report.hpp"
 
@@ -87,7 +88,9 @@ void AppendCommanded(const PlannedPoint& planned, Row* row) {
     return;
   }
   const Compensation& c = *planned.compensation;
-  row->Vector(planned.point.position + c.shift).Vector(planned.point.tool_axis);
+  row->Vector(planned.point.position + c.shift + c.arm_shift);
+  row->Vector(c.arm_turn.isZero(0.0) ? planned.point.tool_axis
+                                     : FromRotationVector(c.arm_turn) * planned.point.tool_axis);
   for (int i = 0; i < 6; ++i) row->Number(RadToDeg(c.q[i]));
 }
 

@@ -64,6 +64,7 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   folder.whole = std::ranges::all_of(folder.rows, &Row::planned);
   folder.leans = std::ranges::any_of(folder.rows, [](const Row& row) { return row.lean.has_value(); });
   folder.goal = ReadGoal(ReadFile(path / "job.yaml"));
+  folder.deviations = ReadDeviations(ReadFile(path / "job.yaml"), optional("cell.yaml"));
   folder.along_normal = AlongNormal(ReadFile(path / "job.yaml"));
   if (fs::exists(path / "cell.yaml")) ReadCutter(path, &folder);
   if (const std::string csv = optional("compensation.csv"); !csv.empty())
@@ -167,6 +168,20 @@ Goal ReadGoal(const std::string& job_text) {
   goal.given_force << objective["feed_N"].as<double>(0), objective["across_N"].as<double>(0),
       objective["axial_N"].as<double>(0);
   return goal;
+}
+
+std::optional<std::array<Matrix4, 7>> ReadDeviations(const std::string& job, const std::string& cell) {
+  const YAML::Node compensation = YAML::Load(job)["compensation"];
+  if (!compensation || !compensation["deviations"].as<bool>(false)) return std::nullopt;
+  const YAML::Node stated = YAML::Load(cell)["arm"]["deviations"];
+  std::array<Matrix4, 7> deviations;
+  for (size_t i = 0; i < deviations.size(); ++i) {
+    const Vector3 turn = Triple(stated["turns_mrad"][i]) / 1000, shift = Triple(stated["shifts_mm"][i]);
+    deviations[i] = Shift(shift[0], shift[1], shift[2]);
+    if (const Real angle = turn.norm(); angle > 0)
+      deviations[i].block<3, 3>(0, 0) = Eigen::AngleAxis<Real>(angle, turn / angle).toRotationMatrix();
+  }
+  return deviations;
 }
 
 std::optional<Summary> ReadSummary(const std::string& text) {

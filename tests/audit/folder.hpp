@@ -94,6 +94,7 @@ struct Compensated {
   Vector3 force;
   Real low, expected, high, taken, worst_after;
   Vector3 shift;
+  Vector3 arm = Vector3::Zero();  ///< beside the shift: for the arm's deviations
 };
 
 /// What summary.json says of all points together.
@@ -110,6 +111,8 @@ struct Folder {
   bool leans = false;        ///< the plan chose them: points.csv tells them
   bool along_normal = true;  ///< the job has the tool along the surface's normal, the tip on the surface
   std::vector<PlannedLinkMove> gaps;
+  /// Of the arm's frames, where the programs are for the arm as it is.
+  std::optional<std::array<Matrix4, 7>> deviations;
   Goal goal;
   Real cutter_radius = 0, corner_radius = 0;  ///< mm
   std::map<int, Deflected> deflected;         ///< by point
@@ -125,6 +128,11 @@ struct Folder {
   const Setup& At(const std::vector<Real>& external) const {
     return external.empty() ? setup : stations.at(external);
   }
+  /// The arm that runs the programs.
+  Setup AsItIs(Setup nominal) const {
+    if (deviations) nominal.deviations = *deviations;
+    return nominal;
+  }
 };
 
 /// Reads `path`. Cell and mesh are named in job.yaml relative to where the job was: `inputs`, else the folder
@@ -138,6 +146,7 @@ Setup ReadSetup(const std::string& job, const std::vector<std::filesystem::path>
 
 /// Parts of ReadFolder.
 Goal ReadGoal(const std::string& job);
+std::optional<std::array<Matrix4, 7>> ReadDeviations(const std::string& job, const std::string& cell);
 std::map<int, Compensated> ReadCompensated(const std::string& csv, const Matrix3& R_WP);
 std::map<int, Deflected> ReadDeflected(const std::string& csv, const Matrix3& R_WP);
 std::optional<Summary> ReadSummary(const std::string& json);

@@ -48,10 +48,11 @@ Real LargestDisplacement(const Goal& goal, const Matrix3& c, const Vector3& F) {
   for (int i = 0; i <= 12; ++i)
     for (int k = 0; k < 72; ++k) look(goal.direction * i / 12, k * 5 * kDegree);
   Real off_step = goal.direction / 12, turn_step = 5 * kDegree;
-  for (int round = 0; round < 60; ++round, off_step *= 0.6L, turn_step *= 0.6L) {
-    const Real off = best_off, turn = best_turn;
+  while (turn_step > 1e-9L) {
+    const Real before = best, off = best_off, turn = best_turn;
     for (const int i : {-1, 0, 1})
       for (const int k : {-1, 0, 1}) look(off + i * off_step, turn + k * turn_step);
+    if (best == before) off_step /= 2, turn_step /= 2;
   }
   return (1 + goal.uncertainty) * F.norm() * best;
 }

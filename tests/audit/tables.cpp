@@ -95,7 +95,8 @@ std::map<int, Compensated> ReadCompensated(const std::string& csv, const Matrix3
         kMicrometre * table.Number("normal_high_um"),
         kMicrometre * table.Number("normal_taken_um"),
         kMicrometre * table.Number("normal_worst_after_um"),
-        kMicrometre * R_WP * table.Three("shift_x_um", "shift_y_um", "shift_z_um")};
+        kMicrometre * R_WP * table.Three("shift_x_um", "shift_y_um", "shift_z_um"),
+        kMicrometre * R_WP * table.Three("arm_x_um", "arm_y_um", "arm_z_um")};
   return rows;
 }
 

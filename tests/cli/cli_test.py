@@ -345,6 +345,17 @@ class Check(unittest.TestCase):
         self.assertEqual(found["reach"]["admissible"], found["points"])
         self.assertEqual(found["gouges"], 0)
 
+    def test_a_setting_of_the_job_can_be_changed(self):
+        job = f"{TOP}/toolpaths/support_pad/job.yaml"
+        points = [json.loads(run("check", job, "--json", "-q", *more).stdout)["points"] for more in ([], ["--set", "toolpath.stepover_mm=16"])]
+        self.assertLess(points[1], points[0])
+        result = run("check", job, "--set", "toolpath.stepver_mm=16")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("nearest known key: stepover_mm", result.stderr)
+        result = run("check", f"{TOP}/cells/kr500_r2830.yaml", "--set", "name=x")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("--set: has no effect here", result.stderr)
+
     def test_cell_is_checked(self):
         result = run("check", f"{TOP}/cells/kr500_r2830.yaml")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)

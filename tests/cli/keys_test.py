@@ -189,7 +189,7 @@ class Keys(InFolder):
         job["toolpath"]["depth"] = {"total_mm": 1, "per_layer_mm": 0.5, "allowance_mm": 0.1, "finishing_mm": 0.2}
         job["process"].update(cutting={"teeth": 2, "kc11_N_mm2": 700, "mc": 0.2, "side": "up"}, stock="region",
                               force_uncertainty_percent=30, force_direction_deg=20)
-        job["pose"]["objective"] = {"name": "surface_error"}
+        job["pose"]["objective"] = {"name": "surface_error", "direction": "normal"}
         job["process"]["force_factors"] = {"up": 1.1, "down": 0.9, "slot": 1.2}
         job["compensation"] = {"deflection": "normal", "shrink": 0.5, "stiffness_uncertainty_percent": 12, "max_mm": 0.05,
                                "layers": "all", "weight": False}
@@ -205,8 +205,11 @@ class Keys(InFolder):
         job, cell = self.base()
         job["process"]["cutting"] = {"teeth": 2, "depth_mm": 1, "material": "5A06"}
         job["path"]["over_missing"] = "leave_out"
-        job["compensation"] = {"deflection": "normal"}
+        job["compensation"] = {"deflection": "normal", "deviations": True, "max_deviation_mm": 6}
         cell["arm"]["stiffness_uncertainty_percent"] = [5, 5, 5, 5, 5, 5]
+        cell["arm"].update(serial="882134", deviations={
+            "shifts_mm": [[0.1 * i, -0.05 * i, 0.2] for i in range(7)], "turns_mrad": [[0.1, 0.05 * i, -0.1] for i in range(7)],
+            "uncertainty_mm": 0.1, "source": "drawn", "date": "2026-01-02"})
         yield job, cell
 
         job, cell = self.base()

@@ -4,7 +4,9 @@
 import json
 import math
 import os
+import random
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -15,6 +17,11 @@ MILLPOSE, TOP = sys.argv[1:3]
 
 def run(*arguments):
     return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+
+def read(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
 
 
 def write(path, text):
@@ -337,6 +344,114 @@ class Identify(Answers):
             self.assertEqual(result.returncode, 2)
             self.assertIn("m.yaml:5:", result.stderr)
             self.assertIn("displacement_mm", result.stderr)
+
+
+class Geometry(Answers):
+    """Readings of an arm that was drawn here, with kinematics of this test's own."""
+    CELL = f"{TOP}/cells/quantec_r2700.yaml"
+    LENGTHS = (675, 350, 1150, 1200, -41, 215)  # d1, a1, a2, d4, dz, d6
+    SIGNS = (-1, 1, 1, -1, 1, -1)
+
+    @staticmethod
+    def times(a, b):
+        return [[sum(a[i][k] * b[k][j] for k in range(4)) for j in range(4)] for i in range(4)]
+
+    @classmethod
+    def pose(cls, shift, turns=()):
+        m = [[float(i == j) for j in range(4)] for i in range(4)]
+        for i in range(3):
+            m[i][3] = shift[i]
+        for axis, angle in turns:
+            c, s, r = math.cos(angle), math.sin(angle), [[float(i == j) for j in range(4)] for i in range(4)]
+            p, q = (axis + 1) % 3, (axis + 2) % 3
+            r[p][p], r[q][q], r[p][q], r[q][p] = c, c, -s, s
+            m = cls.times(m, r)
+        return m
+
+    def reading(self, degrees, deviations, reflector):
+        d1, a1, a2, d4, dz, d6 = self.LENGTHS
+        q = [math.radians(s * d) for s, d in zip(self.SIGNS, degrees)]
+        own = [self.pose(shift, enumerate(turn)) for shift, turn in deviations]
+        X = own[0]
+        for frame, step in enumerate((self.pose((0, 0, d1), [(2, q[0])]), self.pose((a1, 0, 0), [(1, q[1])]),
+                                      self.pose((a2, 0, 0), [(1, q[2])]), self.pose((d4, 0, dz), [(0, q[3])]),
+                                      self.pose((0, 0, 0), [(1, q[4])]),
+                                      self.times(self.pose((0, 0, 0), [(0, q[5])]), self.pose((d6, 0, 0), [(1, math.pi / 2)]))), 1):
+            X = self.times(self.times(X, step), own[frame])
+        tracker = self.pose((3000, -800, 400), [(2, 1.9), (0, 0.2)])
+        X = self.times(tracker, X)
+        return [sum(X[i][k] * reflector[k] for k in range(3)) + X[i][3] for i in range(3)]
+
+    def readings(self, path, poses, seed, noise, deviations):
+        draw = random.Random(seed)
+        lines = ["a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,x_mm,y_mm,z_mm"]
+        for _ in range(poses):
+            degrees = [draw.uniform(*limits) for limits in ((-60, 60), (-110, -30), (40, 120), (-150, 150), (20, 100), (-150, 150))]
+            place = [x + draw.gauss(0, noise) for x in self.reading(degrees, deviations, (70, -30, 190))]
+            lines.append(",".join(f"{v:.9f}" for v in degrees + place))
+        write(path, "\n".join(lines) + "\n")
+
+    def drawn(self, seed):
+        draw = random.Random(seed)
+        return [([draw.gauss(0, 0.4) * (0 < frame < 6) for _ in range(3)], [draw.gauss(0, 8e-4) * (0 < frame < 6) for _ in range(3)])
+                for frame in range(7)]
+
+    def test_finds_what_was_drawn_and_writes_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            seen, other, cell = (os.path.join(folder, name) for name in ("seen.csv", "other.csv", "cell.yaml"))
+            shutil.copy(self.CELL, cell)
+            deviations = self.drawn(1)
+            self.readings(seen, 60, 2, 0.03, deviations)
+            self.readings(other, 200, 3, 0.03, deviations)
+            before = read(cell)
+            result = run("identify", seen, "--geometry", "--cell", cell, "--foretell", other, "--propose", 3, "--json", "--write-cell", cell,
+                         "--serial", "882134", "--date", "2026-11-26")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            found = json.loads(result.stdout)
+            self.assertGreater(found["nominal_rms_mm"], 0.3)
+            self.assertLess(found["rms_mm"], 0.06)
+            self.assertAlmostEqual(found["coordinate_deviation_mm"], 0.03, delta=0.006)
+            (foretold,) = found["foretold"]
+            self.assertLess(foretold["rms_mm"], 0.08)
+            self.assertGreater(foretold["covered"], 0.9)
+            self.assertLess(2 * foretold["median_half_width_mm"], 1.5 * 2 * foretold["error_95_mm"])
+            self.assertEqual([len(q) for q in found["proposed_deg"]], [6, 6, 6])
+            inside = [abs(one["value"] - (deviations[one["frame"]][0] + [1e3 * t for t in deviations[one["frame"]][1]])[i % 6]) <= 1.5 * one["half_width_95"]
+                      for i, one in enumerate(found["deviations"]) if one["told"]]
+            self.assertGreater(len(inside), 8)
+            self.assertGreaterEqual(sum(inside), len(inside) - 1)
+            after = read(cell)
+            self.assertIn('serial: "882134"', after)
+            self.assertIn("date: 2026-11-26", after)
+            self.assertEqual([line for line in after.splitlines() if "deviations:" not in line and "serial:" not in line], before.splitlines())
+            self.assertEqual(run("check", cell).returncode, run("check", self.CELL).returncode)
+            # The same bytes, and again from what was written: the prior is the sheet, so nothing is added up.
+            again = run("identify", seen, "--geometry", "--cell", cell, "--foretell", other, "--propose", 3, "--json")
+            self.assertEqual(again.stdout, result.stdout)
+
+    def test_words_and_errors(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path, cell = os.path.join(folder, "seen.csv"), os.path.join(folder, "cell.yaml")
+            shutil.copy(self.CELL, cell)
+            self.readings(path, 30, 4, 0.03, self.drawn(5))
+            result = run("identify", path, "--geometry", "--cell", cell)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            for words in ("mm RMS", "not told", "mrad", "condition number"):
+                self.assertIn(words, result.stdout)
+            for words, *arguments in (("--cell: missing", path, "--geometry"),
+                                      ("--serial: missing", path, "--geometry", "--cell", cell, "--write-cell", cell),
+                                      ("--date: missing", path, "--geometry", "--cell", cell, "--write-cell", cell, "--serial", "1"),
+                                      ("have no effect with it", path, "--geometry", "--cell", cell, "--robust"),
+                                      ("has no stiffness.gravity", path, "--geometry", "--cell", cell, "--weight"),
+                                      ("another cell than the one read", path, "--geometry", "--cell", cell, "--write-cell", self.CELL)):
+                self.assert_refused(words, "identify", *arguments)
+            self.assertEqual(read(cell), read(self.CELL))
+            head = "a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg"
+            for text, words in ((f"{head}\n0,1,2,3,4,5\n", "no reflector"), (f"{head},x_mm,y_mm\n0,1,2,3,4,5,1,2\n", "only part of x_mm"),
+                                (f"{head},x_mm,y_mm,z_mm\n0,1,2,3,4,5e4,1,2,3\n", "a6_deg: given 50000"),
+                                (f"{head},x_mm,y_mm,z_mm\n" + "0,1,2,3,4,5,1,2,3\n" * 3, "readings; needed: more than 3")):
+                write(path, text)
+                self.assert_refused(words, "identify", path, "--geometry", "--cell", cell)
 
 
 class Flatness(unittest.TestCase):

@@ -211,4 +211,74 @@ std::string ToJson(const Verdict& v) {
          "\n";
 }
 
+OwnArmVerdict RunOnOwnArm(const audit::Folder& folder, const std::string& controller) {
+  std::vector<Row> rows = folder.rows;
+  for (Row& row : rows)
+    if (row.commanded) row.position = row.commanded->position, row.angles = row.commanded->angles;
+  const auto targets = ReadProgram(controller, folder.programs.at(controller), folder.setup);
+  std::vector<audit::Cut> cuts = CutsOf(rows, folder.setup);
+  Compare(targets, cuts, folder.setup);
+  const audit::Setup own = folder.AsItIs(folder.setup);
+  constexpr int kParts = 4;  // of a straight motion
+  OwnArmVerdict verdict;
+  for (const audit::Cut& cut : cuts) {
+    // The tool as its controller has it, and as it is, along the cut.
+    std::vector<Matrix4> believed, real;
+    Angles angles = cut.rows.front()->angles;
+    const auto add = [&](const Matrix4& X_WT) {
+      angles = Solve(folder.setup, X_WT, angles);
+      believed.push_back(Tool(folder.setup, angles));
+      real.push_back(Tool(own, angles));
+    };
+    add(folder.setup.X_WP * targets[cut.first].X_PT);
+    for (size_t k = cut.first; k < cut.last; ++k) {
+      const Matrix4 from = folder.setup.X_WP * targets[k].X_PT, to = folder.setup.X_WP * targets[k + 1].X_PT;
+      const Eigen::AngleAxis<Real> turn(Matrix3(from.block<3, 3>(0, 0).transpose() * to.block<3, 3>(0, 0)));
+      for (int part = 1; part <= kParts; ++part) {
+        const Real share = static_cast<Real>(part) / kParts;
+        Matrix4 X = from;
+        X.block<3, 1>(0, 3) += share * (Tip(to) - Tip(from));
+        X.block<3, 3>(0, 0) = from.block<3, 3>(0, 0) *
+                              Eigen::AngleAxis<Real>(share * turn.angle(), turn.axis()).toRotationMatrix();
+        add(X);
+      }
+    }
+    const auto nearest = [](const std::vector<Matrix4>& way, const Vector3& place) {
+      Vector3 best = Tip(way.front());
+      size_t at = 0;
+      for (size_t k = 0; k + 1 < way.size(); ++k) {
+        const Vector3 from = Tip(way[k]), along = Tip(way[k + 1]) - from;
+        const Real square = along.squaredNorm();
+        const Real share = square > 0 ? std::clamp((place - from).dot(along) / square, Real{0}, Real{1}) : 0;
+        const Vector3 here = from + share * along;
+        if ((here - place).norm() < (best - place).norm()) best = here, at = share > 0.5L ? k + 1 : k;
+      }
+      return std::pair(best, at);
+    };
+    for (const Row* row : cut.rows) {
+      const Row& planned = folder.rows[static_cast<size_t>(row - rows.data())];
+      if (!planned.cut) continue;
+      ++verdict.points;
+      const auto [tip, at] = nearest(real, planned.position);
+      verdict.tip = std::max(verdict.tip, (tip - planned.position).norm());
+      verdict.normal = std::max(verdict.normal, std::abs((tip - planned.position).dot(planned.normal)));
+      verdict.axis =
+          std::max(verdict.axis, audit::AngleBetween(Vector3(real[at].block<3, 1>(0, 2)), planned.axis));
+      verdict.nominal_tip = std::max(verdict.nominal_tip,
+                                     (nearest(believed, planned.position).first - planned.position).norm());
+    }
+  }
+  return verdict;
+}
+
+std::string ToJson(const OwnArmVerdict& v) {
+  return nlohmann::ordered_json{{"points", v.points},
+                                {"own_tip_um", static_cast<double>(1000 * v.tip)},
+                                {"own_normal_um", static_cast<double>(1000 * v.normal)},
+                                {"own_axis_deg", static_cast<double>(v.axis / audit::kDegree)},
+                                {"nominal_tip_um", static_cast<double>(1000 * v.nominal_tip)}}
+             .dump(2) +
+         "\n";
+}
+
 }  // namespace millpose::loop

@@ -41,4 +41,16 @@ Verdict Run(const audit::Folder& folder, const std::string& controller, const Bo
 
 std::string ToJson(const Verdict& verdict);
 
+/// Where the tool of an arm with deviations goes when its controller, which computes with the nominal arm,
+/// runs a program: largest distance of a planned cut point from the way of the tip, mm, along the normal
+/// alone, and of the tool's direction, rad. Expected deflections left aside.
+struct OwnArmVerdict {
+  size_t points = 0;
+  Real tip = 0, normal = 0, axis = 0;
+  Real nominal_tip = 0;  ///< the same distance of the tip that the controller believes in
+};
+OwnArmVerdict RunOnOwnArm(const audit::Folder& folder, const std::string& controller);
+
+std::string ToJson(const OwnArmVerdict& verdict);
+
 }  // namespace millpose::loop

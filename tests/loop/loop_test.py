@@ -123,6 +123,99 @@ class ClosedLoop(unittest.TestCase):
         self.assertEqual((status, verdict["broken"]), (0, {}))
 
 
+DEVIATIONS = """  serial: "882134"
+  deviations:
+    shifts_mm: [[0.32, 0.36, 0.02], [-0.19, -0.27, 0.01], [-0.26, -0.36, 0.05], [0.03, 0.14, -0.23], [0, -0.02, -0.38],
+                [0.13, 0.08, 0.6], [0.05, -0.04, 0.31]]
+    turns_mrad: [[0.06, 0.27, -0.11], [0.07, 0.31, 0.21], [0.04, -0.32, 0.13], [0.02, 0.22, 0.06], [0.33, -0.02, 0.06],
+                 [0.2, -0.33, -0.12], [-0.15, 0.59, -0.03]]
+    source: drawn
+    date: 2026-11-26
+"""
+
+
+class OwnArm(unittest.TestCase):
+    """Programs for an arm that is not its sheet's, run by a controller that computes with the sheet."""
+
+    def job(self, name, compensation, sample="support_pad", *changes):
+        path = job_of(sample, name, compensation, *changes)
+        cell_name = re.search(r"cell: (.*)", path.read_text(encoding="utf-8")).group(1)
+        cell = path.parent / cell_name
+        text, count = re.subn(r"\n  joint_stiffness_Nm", "\n" + DEVIATIONS + "  joint_stiffness_Nm", cell.read_text(encoding="utf-8"))
+        self.assertEqual(count, 1)
+        own = cell.with_name("own_" + cell.name)
+        own.write_text(text, encoding="utf-8")
+        path.write_text(path.read_text(encoding="utf-8").replace(cell_name, cell_name.replace(cell.name, own.name)), encoding="utf-8")
+        return path
+
+    def planned(self, job, name, *arguments):
+        result, folder = BENCH.plan(job, name, *arguments)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        return folder, json.loads((folder / "summary.json").read_text(encoding="utf-8")), result
+
+    def run_on_own(self, folder, job, controller):
+        result = subprocess.run([LOOP, folder, "--inputs", job.parent, "--controller", controller, "--own-arm"], capture_output=True,
+                                text=True, timeout=600)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout)
+
+    def test_goes_where_the_plan_has_the_tool(self):
+        job = self.job("own", "{deviations: true}")
+        folder, summary, result = self.planned(job, "own", "--audit")
+        self.assertIn("deviations are taken out", result.stdout)
+        self.assertGreater(summary["compensation"]["largest_deviation_mm"], 0.3)
+        self.assertGreater(summary["compensation"]["largest_deviation_deg"], 0.02)
+        row = next(row for row in summary["budget"]["rows"] if row["source"] == "geometry")
+        self.assertLess(row["um"], 0.01)
+        self.assertIn("taken out of the programs for arm 882134", row["basis"])
+        status, verdict = BENCH.audit(folder, job, *TRAVEL)
+        self.assertEqual((status, verdict["broken"]), (0, {}))
+        for program in summary["programs"]:
+            self.assertTrue(program["verified"])
+            found = self.run_on_own(folder, job, program["controller"])
+            told = f"{program['controller']}: {found}"
+            self.assertGreater(found["points"], 20, told)
+            self.assertGreater(found["nominal_tip_um"], 300, told)
+            self.assertLess(found["own_tip_um"], 20, told)  # of path_tolerance_mm
+            self.assertLess(found["own_axis_deg"], 0.02, told)
+            text = "".join(f.read_text(encoding="utf-8") for f in (folder / "programs" / program["controller"]).iterdir() if f.is_file())
+            self.assertIn("corrected_for_arm: 882134, measured on 2026-11-26", text)
+            self.assertNotIn("NOT TO BE RUN TWICE", text)
+        verified = BENCH.run("verify", folder, "--job", job)
+        self.assertEqual(verified.returncode, 0, verified.stdout + verified.stderr)
+
+    def test_not_asked_for_errs_by_all_of_it(self):
+        job = self.job("unasked", "")
+        folder, summary, _ = self.planned(job, "unasked")
+        found = self.run_on_own(folder, job, "linuxcnc") if (folder / "compensation.csv").exists() else None
+        self.assertIsNone(found)
+        row = next(row for row in summary["budget"]["rows"] if row["source"] == "geometry")
+        self.assertGreater(row["um"], 100)
+
+    def test_beside_deflection(self):
+        job = self.job("own_heavy", "{deviations: true, deflection: normal, max_mm: 0.3}", "support_pad", CHEN, HEAVY)
+        folder, summary, _ = self.planned(job, "own_heavy")
+        self.assertGreater(summary["compensation"]["largest_shift_um"], 3)
+        status, verdict = BENCH.audit(folder, job, *TRAVEL)
+        self.assertEqual((status, verdict["broken"]), (0, {}))
+        main = next((folder / "programs" / "linuxcnc").glob("*.ngc")).read_text(encoding="utf-8")
+        self.assertIn("NOT TO BE RUN TWICE", main)
+        self.assertIn("corrected_for_arm", main)
+
+    def test_what_cannot_be_is_an_error(self):
+        for compensation, expected in (("{deviations: true, max_deviation_mm: 0.1}", "move the tip by up to"),
+                                       ("{deviations: false, max_deviation_mm: 1}", "compensation.max_deviation_mm: has no effect here"),
+                                       ("{deviations: true, max_mm: 1}", "compensation.max_mm: has no effect here")):
+            job = self.job("own_wrong", compensation)
+            result, folder = BENCH.plan(job, "own_wrong")
+            self.assertEqual(result.returncode, 2, result.stdout)
+            self.assertIn(expected, result.stderr)
+            self.assertFalse((folder / "plan.cbor").exists())
+        result, _ = BENCH.plan(job_of("support_pad", "no_own", "{deviations: true}"), "no_own")
+        self.assertEqual(result.returncode, 2, result.stdout)
+        self.assertIn("has no arm.deviations", result.stderr)
+
+
 class Behaviour(unittest.TestCase):
     PLAIN = "pad_off"
 

@@ -19,9 +19,15 @@ int main(int argc, char** argv) {
   app.add_option("--controller", controller, "whose program is run")->capture_default_str();
   app.add_option("--draws", draws, "simulated arms")->capture_default_str();
   app.add_option("--seed", seed, "of the draws")->capture_default_str();
+  bool own_arm = false;
+  app.add_flag("--own-arm", own_arm, "with the deviations of the cell's arm, nothing drawn");
   CLI11_PARSE(app, argc, argv);
   try {
     const loop::Bounds bounds = loop::BoundsOf(ReadFile(folder / "job.yaml"), ReadFile(folder / "cell.yaml"));
+    if (own_arm) {
+      std::cout << loop::ToJson(loop::RunOnOwnArm(audit::ReadFolder(folder, inputs), controller));
+      return 0;
+    }
     std::cout << ToJson(Run(audit::ReadFolder(folder, inputs), controller, bounds, draws, seed));
     return 0;
   } catch (const std::exception& error) {

@@ -102,6 +102,12 @@ Codec<DeviationSettings> DeviationFields() {
           Key<S>("turns_mrad", MILLPOSE_AT(turns), ListOf(Numbers3(kMrad, Between(-100, 100))),
                  "Likewise how it is turned: rotation vectors.")
               .Required(),
+          Key<S>("uncertainty_mm", MILLPOSE_AT(uncertainty), Maybe(Real(kMm, UpTo(10))),
+                 "How far a point of the flange may be off along any direction once they are taken out, 95 "
+                 "%; the "
+                 "budget tells it then.")
+              .WhenSet([](const S& s) { return s.uncertainty.has_value(); })
+              .DefaultText("not known"),
           Key<S>("source", MILLPOSE_AT(source), Lines(), "How they were found, and how sure they are.")
               .Required(),
           Key<S>("date", MILLPOSE_AT(date), Text(), "When they were measured: year-month-day.").Required(),

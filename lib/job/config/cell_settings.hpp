@@ -57,6 +57,7 @@ struct GearErrorSettings {
 /// How the geometry of one arm differs from its sheet (docs/arm-deviations.md).
 struct DeviationSettings {
   std::vector<Eigen::Vector3d> shifts, turns;  ///< of the frames 0 to 6 of LinkFrames(); mm, rad
+  std::optional<double> uncertainty;           ///< mm, of the flange's position along any direction, 95 %
   std::string source, date;
 };
 

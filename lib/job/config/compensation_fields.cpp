@@ -11,8 +11,16 @@ void CheckEffect(const Value& value, const Context& context, CompensationSetting
   for (const char* key : {"shrink", "stiffness_uncertainty_percent", "layers"})
     if (const Value::Key* found = value.FindKey(key))
       context.Child(key).Add(found->mark, "has no effect here: compensation.deflection is off");
-  if (const Value::Key* found = value.FindKey("max_mm"); found && !s.IsOn())
+  if (const Value::Key* found = value.FindKey("max_mm"); found && !s.Shifts())
     context.Child("max_mm").Add(found->mark, "has no effect here: nothing is compensated");
+}
+
+// What only deviations follow, also where nothing else is taken out.
+void CheckDeviationKeys(const Value& value, const Context& context, CompensationSettings& s) {
+  CheckEffect(value, context, s);
+  if (const Value::Key* found = value.FindKey("max_deviation_mm"); found && !s.deviations)
+    context.Child("max_deviation_mm")
+        .Add(found->mark, "has no effect here: compensation.deviations is false");
 }
 
 }  // namespace
@@ -36,7 +44,7 @@ Codec<CompensationSettings> CompensationFields() {
               .WhenSet(force)
               .DefaultText("the cell's, where arm.stiffness_uncertainty_percent says it; else 10"),
           Key<S>("max_mm", MILLPOSE_AT(most), Real(kMm, Positive(2)), "Largest shift of any point.")
-              .WhenSet([](const S& s) { return s.IsOn(); })
+              .WhenSet([](const S& s) { return s.Shifts(); })
               .DefaultText("0.1"),
           Key<S>("layers", MILLPOSE_AT(layers), ChoiceOf(kCompensatedLayersWords),
                  "Whether layers above the finished one are compensated too.")
@@ -49,8 +57,18 @@ Codec<CompensationSettings> CompensationFields() {
               "Map of a measured part's error, which `millpose calibrate --map` writes, taken out along the "
               "normal; relative to the job file (docs/error-map.md).")
               .WhenSet([](const S& s) { return !s.map_file.empty(); }),
+          Key<S>(
+              "deviations", MILLPOSE_AT(deviations), Flag(),
+              "Commands poses such that the arm as it is, with `arm.deviations` of the cell, goes where the "
+              "plan has the tool: for that one arm (docs/arm-deviations.md).")
+              .WhenSet([](const S& s) { return s.deviations; })
+              .DefaultText("false"),
+          Key<S>("max_deviation_mm", MILLPOSE_AT(most_deviation), Real(kMm, Positive(50)),
+                 "Most that the arm's deviations may move the tip by: more is taken for wrong values.")
+              .WhenSet([](const S& s) { return s.deviations; })
+              .DefaultText("5"),
       },
-      CheckEffect);
+      CheckDeviationKeys);
 }
 
 }  // namespace millpose::config

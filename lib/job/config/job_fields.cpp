@@ -154,7 +154,7 @@ const Codec<JobSettings>& JobFields() {
       Key<S>("program_options", MILLPOSE_AT(program_options), ProgramOptionFields(),
              "What becomes of the planned points in programs."),
       Key<S>("compensation", MILLPOSE_AT(compensation), CompensationFields(),
-             "What of the expected deflection the programs take out (docs/compensation.md).")
+             "What of the tool's expected error the programs take out (docs/compensation.md).")
           .WhenSet([](const S& s) { return s.compensation.IsOn(); }),
       Key<S>("external", MILLPOSE_AT(external), ListOf(ExternalFields()),
              "Where the cell's external axes stand (docs/external-axes.md); those without an entry stand at "

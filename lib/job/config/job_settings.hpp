@@ -113,9 +113,13 @@ struct CompensationSettings {
   double most = 0.1;                            ///< mm
   CompensatedLayers layers = CompensatedLayers::kFinished;
   bool weight = false;
-  std::string map_file;  ///< of a measured part's error; empty: none
+  std::string map_file;       ///< of a measured part's error; empty: none
+  bool deviations = false;    ///< of the arm's frames
+  double most_deviation = 5;  ///< mm, that they may move the tip by
 
-  bool IsOn() const { return deflection != TakeOut::kOff || weight || !map_file.empty(); }
+  /// Whether tips are shifted from where the plan has them.
+  bool Shifts() const { return deflection != TakeOut::kOff || weight || !map_file.empty(); }
+  bool IsOn() const { return Shifts() || deviations; }
 };
 
 /// What becomes of a plan's points in programs.

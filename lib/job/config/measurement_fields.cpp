@@ -178,6 +178,58 @@ MeasurementsSettings ParseMeasurementsCsv(std::string_view csv, const std::strin
   return settings;
 }
 
+std::vector<TrackedRow> ParseTracked(std::string_view csv, const std::string& name) {
+  constexpr size_t kMost = 4;  // reflectors
+  constexpr double kFarthest = 1e6, kTurned = 3600;
+  CsvColumns columns{{"a1_deg", "a2_deg", "a3_deg", "a4_deg", "a5_deg", "a6_deg"}, {"x_mm", "y_mm", "z_mm"}};
+  for (size_t k = 1; k <= kMost; ++k)
+    for (const char axis : {'x', 'y', 'z'}) columns.optional.push_back(fmt::format("{}{}_mm", axis, k));
+  const CsvTable table = ReadCsv(csv, name, columns);
+  std::vector<Problem> problems;
+  std::vector<std::string> present;  // what stands behind x, y and z of each reflector
+  const auto look = [&](const std::string& number) {
+    int given = 0;
+    for (const char axis : {'x', 'y', 'z'}) given += table.Has(fmt::format("{}{}_mm", axis, number));
+    if (given == 3) present.push_back(number);
+    if (given == 1 || given == 2)
+      problems.push_back(
+          {{name, 1},
+           fmt::format("only part of x{0}_mm,y{0}_mm,z{0}_mm; allowed: all three, or none", number)});
+  };
+  look("");
+  for (size_t k = 1; k <= kMost; ++k) look(std::to_string(k));
+  if (present.empty() && problems.empty())
+    problems.push_back({{name, 1}, "no reflector; needed: x_mm,y_mm,z_mm, or x1_mm,y1_mm,z1_mm and so on"});
+  if (present.size() > 1 && present.front().empty())
+    problems.push_back({{name, 1}, "given x_mm and x1_mm …; allowed: one of the two"});
+  std::vector<TrackedRow> rows;
+  for (size_t row = 0; row < table.size() && problems.empty(); ++row) {
+    TrackedRow& read = rows.emplace_back();
+    read.line = table.line(row);
+    for (int j = 0; j < 6; ++j) {
+      const double degrees = table.At(row, fmt::format("a{}_deg", j + 1));
+      if (std::abs(degrees) > kTurned)
+        problems.push_back(
+            {{name, read.line}, fmt::format("a{}_deg: given {}; allowed: -3600 to 3600", j + 1, degrees)});
+      read.joints[j] = DegToRad(degrees);
+    }
+    for (const std::string& number : present) {
+      const auto at = [&](char axis) { return table.At(row, fmt::format("{}{}_mm", axis, number)); };
+      read.reflectors.emplace_back(at('x'), at('y'), at('z'));
+      if (read.reflectors.back().cwiseAbs().maxCoeff() > kFarthest)
+        problems.push_back({{name, read.line}, "a coordinate is too large; allowed: within 1e6 mm"});
+    }
+  }
+  if (!problems.empty()) throw InputError(std::move(problems));
+  return rows;
+}
+
+std::string ReplaceDeviations(const std::string& cell_yaml, const std::string& name,
+                              const std::string& deviations, const std::string& serial) {
+  const std::string text = config::WithKey(cell_yaml, name, "arm", "deviations", deviations);
+  return config::WithKey(text, name, "arm", "serial", config::WriteYamlLine(config::Value::Text(serial)));
+}
+
 std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::string& name,
                                   const IdentifiedStiffness& found) {
   const auto list = [](const config::Unit& unit, const Vector6& values) {
@@ -196,6 +248,36 @@ std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::strin
   if (!arm->Find("joint_stiffness_source")) return text;
   return config::WithKey(text, name, "arm", "joint_stiffness_source",
                          config::WriteYamlLine(config::Value::Text(found.source)));
+}
+
+std::string ReplaceCompliances(const std::string& cell_yaml, const std::string& name,
+                               const std::vector<ComplianceSettings>& found) {
+  constexpr std::string_view kOwn = "identified ";  // what their names begin with
+  const config::Value root = config::ReadYaml(cell_yaml, name);
+  const config::Value* stiffness = root.Find("stiffness");
+  const config::Value* standing = stiffness ? stiffness->Find("compliances") : nullptr;
+  for (size_t i = 0; standing && i < standing->items.size(); ++i) {
+    const config::Value* called = standing->items[i].Find("name");
+    if (!called || !called->text.starts_with(kOwn))
+      throw InputError(
+          {name, standing->items[i].mark.line, standing->items[i].mark.column},
+          "stiffness.compliances: has entries that millpose identify has not written, and what it "
+          "finds would count them twice; take them out, or write its result by hand");
+  }
+  if (found.empty() && (!standing || standing->items.empty())) return cell_yaml;
+  std::vector<std::string> entries;
+  for (const ComplianceSettings& one : found) {
+    const auto triple = [](const Eigen::Vector3d& v, double factor) {
+      return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", factor * v.x(), factor * v.y(), factor * v.z());
+    };
+    std::string entry = fmt::format("{{name: {}{}, mount: {}", kOwn, one.name,
+                                    one.link == 0 ? std::string("base") : fmt::format("link{}", one.link));
+    if (!one.translational.isZero(0.0)) entry += ", translational_mm_N: " + triple(one.translational, 1);
+    if (!one.rotational.isZero(0.0)) entry += ", rotational_rad_Nm: " + triple(one.rotational, 1000);
+    entries.push_back(entry + "}");
+  }
+  return config::WithKey(cell_yaml, name, "stiffness", "compliances",
+                         fmt::format("[{}]", fmt::join(entries, ", ")));
 }
 
 std::string ReplaceLostMotion(const std::string& cell_yaml, const std::string& name, const Vector6& width,

@@ -51,6 +51,22 @@ MeasurementsSettings ParseMeasurements(std::string_view yaml, const std::string&
 /// mz_Nm and rx_rad, ry_rad, rz_rad. Cell and points are not in it.
 MeasurementsSettings ParseMeasurementsCsv(std::string_view csv, const std::string& name);
 
+/// Where a tracker saw the reflectors on the flange.
+struct TrackedRow {
+  Vector6 joints = Vector6::Zero();         ///< as the controller shows them, rad
+  std::vector<Eigen::Vector3d> reflectors;  ///< in the tracker's frame, mm
+  int line = 0;
+};
+
+/// Reads them: columns a1_deg…a6_deg, then x_mm, y_mm, z_mm of one reflector or x1_mm, y1_mm, z1_mm, x2_mm …
+/// of up to four.
+std::vector<TrackedRow> ParseTracked(std::string_view csv, const std::string& name);
+
+/// A cell's YAML text with `arm.deviations` (one line; `deviations` as YAML flow) and `arm.serial`;
+/// everything else as it was. Throws InputError when a key is not written in one line.
+std::string ReplaceDeviations(const std::string& cell_yaml, const std::string& name,
+                              const std::string& deviations, const std::string& serial);
+
 /// What an identification says of a cell's arm.
 struct IdentifiedStiffness {
   Vector6 stiffness = Vector6::Zero();    ///< N·mm/rad
@@ -62,6 +78,12 @@ struct IdentifiedStiffness {
 /// everything else as it was, comments included. Throws InputError when a key is not written in one line.
 std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::string& name,
                                   const IdentifiedStiffness& found);
+
+/// The same with `stiffness.compliances` that millpose identify has found, in place of those of earlier
+/// times; an empty list takes these away. Throws InputError where the cell has compliances of other origin:
+/// what was identified gives way for them too.
+std::string ReplaceCompliances(const std::string& cell_yaml, const std::string& name,
+                               const std::vector<ComplianceSettings>& found);
 
 /// The same with lost motion (rad) and its source.
 std::string ReplaceLostMotion(const std::string& cell_yaml, const std::string& name, const Vector6& width,

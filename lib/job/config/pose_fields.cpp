@@ -127,7 +127,7 @@ Codec<Objective> ObjectiveFields() {
         "An objective spelled by named indices (docs/objective-expression.md).",
         false,
         {},
-        "name"},
+        ""},
        {"direction",
         direction.type,
         "",

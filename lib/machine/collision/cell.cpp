@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "machine/collision/cell.hpp"
 
+#include <cassert>
+
 #include "base/trig.hpp"
 
 namespace millpose {
@@ -19,6 +21,23 @@ double Radius(const Shape& shape) {
     return Hypot(std::max(c->radius_bottom, c->radius_top), c->length / 2);
   if (const auto* convex = std::get_if<Convex>(&shape)) return farthest(convex->points);
   return farthest(std::get<Triangles>(shape).vertices);
+}
+
+Cell AsItIs(Cell cell, const ArmDeviations& deviations) {
+  assert(!cell.deviations);
+  for (Body& body : cell.bodies)
+    if (body.mount == Mount::kLink)
+      body.X_MG = DeviationOf(deviations, static_cast<size_t>(body.link)) * body.X_MG;
+  cell.deviations = deviations;
+  return cell;
+}
+
+Pose ToolOnFlange(const Cell& cell) {
+  return cell.deviations ? DeviationOf(*cell.deviations, 6) * cell.X_FT : cell.X_FT;
+}
+
+std::array<Pose, 7> FramesOf(const Cell& cell, const Joints& q) {
+  return cell.deviations ? TrueLinkFrames(cell.arm, *cell.deviations, q) : LinkFrames(cell.arm, q);
 }
 
 }  // namespace millpose

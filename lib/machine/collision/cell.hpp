@@ -2,12 +2,14 @@
 // The bodies of a cell as plain data; World turns them into FCL objects.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "base/enum_words.hpp"
 #include "geometry/mesh/triangles.hpp"
+#include "machine/robot/deviations.hpp"
 #include "machine/robot/mechanism.hpp"
 
 namespace millpose {
@@ -84,6 +86,17 @@ struct Cell {
       0;  ///< cutting length from the tip, mm: the part of the cutter that may touch while cutting
   Clearances clearances;
   Joints home = Joints::Zero();
+  /// Where the arm is taken as it is (AsItIs), by how much its frames stand elsewhere.
+  std::optional<ArmDeviations> deviations;
 };
+
+/// The same cell with the arm as it is: bodies of the links hang where they really do. `arm` and `X_FT` stay
+/// those that the controller computes with. Precondition: `cell` has no deviations yet.
+Cell AsItIs(Cell cell, const ArmDeviations& deviations);
+
+/// The frames that bodies hang on, in B: LinkFrames(), or TrueLinkFrames() where the arm is taken as it is.
+std::array<Pose, 7> FramesOf(const Cell& cell, const Joints& q);
+/// The tool in the last of them.
+Pose ToolOnFlange(const Cell& cell);
 
 }  // namespace millpose

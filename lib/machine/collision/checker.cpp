@@ -59,7 +59,7 @@ struct Checker::Impl {
   }
 
   void Place(const Joints& q) {
-    X_WL = LinkFrames(world->cell.arm, q);
+    X_WL = FramesOf(world->cell, q);
     for (Pose& X : X_WL) X = world->cell.X_WB * X;
     for (size_t i = 0; i < placed.size(); ++i) {
       const WorldBody& body = world->bodies[i];

@@ -31,7 +31,7 @@ Pose CarriageMoved(const Cell& cell, int axis) {
 Pose PoseOnLink(const Cell& cell, const Body& body) {
   switch (body.mount) {
     case Mount::kTool:
-      return cell.X_FT * body.X_MG;
+      return ToolOnFlange(cell) * body.X_MG;
     case Mount::kWorkpiece:
       return cell.X_WP * body.X_MG;
     case Mount::kLink:
@@ -154,12 +154,12 @@ std::vector<BodyPair> World::Impl::PairsOf(const Cell& source, int i, int j) {
     return {pair};
   }
   pair.clearance[1].reset();
-  const Pose X_TG = source.X_FT.inverse(Eigen::Isometry) * bodies[second].X_LG;
+  const Pose X_TG = ToolOnFlange(source).inverse(Eigen::Isometry) * bodies[second].X_LG;
   const std::optional<Convex> above = AboveHeight(moving.shape, X_TG, source.cutter_length);
   if (!above || !ShapeProblem(*above).empty()) return {pair};  // nothing, or a sliver without volume
   const BodyPair shank{first, static_cast<int>(bodies.size()), {std::nullopt, cutting}};
   bodies.push_back({fmt::format("{} above its cutting length", moving.name),
-                    std::make_shared<const FclPart>(MakePart(*above)), 6, source.X_FT});
+                    std::make_shared<const FclPart>(MakePart(*above)), 6, ToolOnFlange(source)});
   return {pair, shank};
 }
 
@@ -172,7 +172,7 @@ PointMemory::Kind World::Impl::KindOf(const Cell& source, const BodyPair& pair) 
   const Shape& shape = second.part->shape;
   const bool round = std::holds_alternative<Sphere>(shape) || std::holds_alternative<Cylinder>(shape) ||
                      std::holds_alternative<Capsule>(shape);
-  const Pose X_TG = source.X_FT.inverse(Eigen::Isometry) * second.X_LG;
+  const Pose X_TG = ToolOnFlange(source).inverse(Eigen::Isometry) * second.X_LG;
   constexpr double kOnAxis = 1e-9;  // mm, and of a direction
   const bool about_axis =
       X_TG.translation().head<2>().norm() < kOnAxis &&

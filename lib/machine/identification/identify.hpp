@@ -22,12 +22,26 @@ struct LoadCase {
   std::optional<Eigen::Vector3d> rotation;                   ///< rotation vector, rad
 };
 
+/// What gives way beside a joint about its own axis: a link that tilts about, or a base that moves along, an
+/// axis of a link's frame (LinkFrames), which turns with it.
+struct Give {
+  int link = 0;             ///< 0 base, 1..6
+  int axis = 0;             ///< 0 x, 1 y, 2 z
+  bool translates = false;  ///< else it turns
+
+  bool operator==(const Give&) const = default;
+};
+
+/// The two axes across its joint's own about which link 1..6 can tilt.
+std::vector<Give> TiltingOf(int link);
+
 struct IdentifyOptions {
   double displacement_deviation =
       0.01;  ///< standard deviation of a displacement's component, mm: only its ratio to
              ///< the next matters, the level is estimated from the residuals
   double rotation_deviation = 1e-5;  ///< of a rotation's component, rad
   bool robust = false;               ///< Huber's weights, k = 1.345, by iterated least squares
+  std::vector<Give> beside = {};     ///< what gives way beside the joints
 };
 
 /// What the measurements say about one joint.
@@ -42,9 +56,19 @@ struct JointEstimate {
   size_t most_influential = 0;  ///< the pose that changes it most
 };
 
+/// What they say about something beside the joints.
+struct GiveEstimate {
+  Give give;
+  bool determined = false;
+  std::string reason;           ///< when not: why no number is given
+  double compliance = 0;        ///< rad/(N·mm) or mm/N; 0 where it is not determined
+  double lower = 0, upper = 0;  ///< 95 % interval
+};
+
 struct Identification {
   std::array<JointEstimate, 6> joints;
-  double condition = 0;  ///< of the weighted L with columns scaled to 1, observable joints only
+  std::vector<GiveEstimate> beside;  ///< of IdentifyOptions::beside
+  double condition = 0;              ///< of the weighted L with columns scaled to 1, observable joints only
   double level = 0;  ///< standard deviation of a weighted residual: 1 where the stated deviations are right
   double rms = 0;    ///< of the displacements' residuals, per case, mm
   std::vector<double> residuals;     ///< length of each case's displacement residual, mm; empty when nothing
@@ -53,10 +77,10 @@ struct Identification {
   size_t poses = 0;
 };
 
-/// Weighted least squares for the six compliances c_j = 1/k_j ≥ 0 in x = L·c (eq. 10-13), exact over all sets
-/// of active bounds. A joint without a number: one that carries no load in any case, one whose effect equals
-/// a combination of others', or one whose compliance the data put at 0. With fewer rows than unknowns + 1
-/// none is determined.
+/// Weighted least squares for the compliances c_j = 1/k_j ≥ 0 of the six joints, and of what is to give way
+/// beside them, in x = L·c (eq. 10-13), exact in which of them are 0. A joint without a number: one that
+/// carries no load in any case, one whose effect equals a combination of others', or one whose compliance the
+/// data put at 0. With fewer rows than unknowns + 1 none is determined.
 Identification IdentifyJointStiffness(const Arm& arm, const std::vector<LoadCase>& cases,
                                       const IdentifyOptions& options);
 

@@ -79,7 +79,7 @@ class Judge {
     std::vector<double> force(found_.poses), moved(found_.poses), expected(found_.poses);
     IdentifyOptions plain;
     plain.displacement_deviation = 1;
-    const identify::Six c = arm_.stiffness.cwiseInverse();
+    const Joints c = arm_.stiffness.cwiseInverse();
     for (size_t i = 0; i < cases_.size(); ++i) {
       LoadCase load = cases_[i];
       load.rotation.reset();

@@ -8,19 +8,17 @@
 namespace millpose {
 namespace {
 
-using identify::Rows;
-
 /// Information of every candidate, its columns scaled by all candidates' together.
 class Design {
  public:
   Design(const Arm& arm, const std::vector<LoadCase>& candidates, const IdentifyOptions& options) {
     const identify::System all = identify::MakeSystem(arm, candidates, options);
     reasons_ = identify::Observability(all.L);
-    for (int j = 0; j < 6; ++j)
-      if (reasons_[j].empty()) keep_.push_back(j);
+    for (size_t j = 0; j < reasons_.size(); ++j)
+      if (reasons_[j].empty()) keep_.push_back(static_cast<int>(j));
     rows_.resize(candidates.size());
     for (size_t i = 0; i < candidates.size(); ++i) {
-      const Rows L = identify::MakeSystem(arm, {candidates[i]}, options).L;
+      const Eigen::MatrixXd L = identify::MakeSystem(arm, {candidates[i]}, options).L;
       rows_[i].resize(L.rows(), static_cast<Eigen::Index>(keep_.size()));
       for (size_t k = 0; k < keep_.size(); ++k)
         rows_[i].col(static_cast<Eigen::Index>(k)) = L.col(keep_[k]) / all.L.col(keep_[k]).norm();
@@ -39,7 +37,7 @@ class Design {
   }
 
   bool ObservesAll(const std::vector<size_t>& chosen) const {
-    Rows stacked(0, 6);
+    Eigen::MatrixXd stacked(0, static_cast<Eigen::Index>(reasons_.size()));
     for (const size_t i : chosen) {
       const Eigen::Index before = stacked.rows();
       stacked.conservativeResize(before + rows_[i].rows(), Eigen::NoChange);
@@ -48,11 +46,12 @@ class Design {
         stacked.col(keep_[k]).tail(rows_[i].rows()) = rows_[i].col(static_cast<Eigen::Index>(k));
     }
     const auto reasons = identify::Observability(stacked);
-    return std::all_of(keep_.begin(), keep_.end(), [&](int j) { return reasons[j].empty(); });
+    return std::all_of(keep_.begin(), keep_.end(),
+                       [&](int j) { return reasons[static_cast<size_t>(j)].empty(); });
   }
 
  private:
-  std::array<std::string, 6> reasons_;
+  std::vector<std::string> reasons_;
   std::vector<int> keep_;
   std::vector<Eigen::MatrixXd> rows_;
 };

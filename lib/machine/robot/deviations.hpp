@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "machine/robot/kinematics.hpp"
 
@@ -11,17 +12,31 @@ namespace millpose {
 /// By how much the frames of LinkFrames() stand elsewhere, each in its own axes: 0 base, 1..6 after joint i,
 /// 6 the flange. Whatever hangs behind a frame goes with it. A turn about a joint's own axis is its offset.
 struct ArmDeviations {
-  std::array<Eigen::Vector3d, 7> shift{};  ///< mm
-  std::array<Eigen::Vector3d, 7> turn{};   ///< rotation vector, rad
-
-  ArmDeviations() {
-    shift.fill(Eigen::Vector3d::Zero());
-    turn.fill(Eigen::Vector3d::Zero());
+  static std::array<Eigen::Vector3d, 7> None() {
+    std::array<Eigen::Vector3d, 7> none;
+    none.fill(Eigen::Vector3d::Zero());
+    return none;
   }
+
+  std::array<Eigen::Vector3d, 7> shift = None();  ///< mm
+  std::array<Eigen::Vector3d, 7> turn = None();   ///< rotation vector, rad
 };
+
+/// LinkFrames() of the arm as it is, each without its own deviation: like there, joint i turns about an axis
+/// of frame i. What hangs on frame i hangs on DeviationOf(deviations, i) in it.
+std::array<Pose, 7> TrueLinkFrames(const Arm& arm, const ArmDeviations& deviations, const Joints& q);
+
+/// D_i = (turn, shift) of frame i.
+Pose DeviationOf(const ArmDeviations& deviations, size_t frame);
 
 /// X_BF of the arm as it is, B its nominal base frame: D0·L1·D1·L2·…·L6·D6 with L the nominal steps from
 /// frame to frame and D = (turn, shift) of each. ForwardFlange() to the last bits where all are zero.
 Pose TrueFlange(const Arm& arm, const ArmDeviations& deviations, const Joints& q);
+
+/// The joint angles that bring the arm as it is to X_BF, on branch `branch` of the nominal arm and nearest to
+/// `near`; limits not looked at. Empty where that branch has none, or beside a singularity, where small
+/// deviations ask for large turns.
+std::optional<Joints> TrueInverseNear(const Arm& arm, const ArmDeviations& deviations, const Pose& X_BF,
+                                      int branch, const Joints& near);
 
 }  // namespace millpose

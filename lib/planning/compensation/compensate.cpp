@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "machine/motion/line.hpp"
+#include "machine/motion/rotation_vector.hpp"
 #include "machine/robot/angles.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "planning/compensation/shift.hpp"
@@ -83,9 +84,11 @@ class Compensator {
       if (shifts) TakeOutOf(pass, piece, &Compensation::normal);
       if (shifts && options_.deflection == TakeOut::kFull) TakeOutOf(pass, piece, &Compensation::across);
     }
-    for (PlannedPoint& point : pass.points) {
+    for (size_t i = 0; i < pass.points.size(); ++i) {
+      PlannedPoint& point = pass.points[i];
       if (!point.compensation) continue;
       if (point.external) Stand(*point.external);
+      here_at_ = {p, i};
       Command(point);
     }
   }
@@ -167,7 +170,7 @@ class Compensator {
     }
     BoundMap(shift(), point.normal, c);
     c.shift = shift() - c.map * point.normal;
-    if (!c.shift.isZero(0.0)) Reach(planned);
+    if (options_.deviations || !c.shift.isZero(0.0)) Reach(planned);
     if (point.kind == PointKind::kCut)
       here_.Add(to_zero_ * point.position, c.normal.expected - c.normal.taken);
   }
@@ -184,30 +187,61 @@ class Compensator {
     counts_.largest_cut = std::max(counts_.largest_cut, length);
   }
 
+  /// Whether the arm may stand at `q`.
+  bool IsAllowed(const Joints& q) const {
+    return (q.array() >= plan_.arm.lower.array()).all() && (q.array() <= plan_.arm.upper.array()).all() &&
+           FirstBeyond(plan_.arm.coupled_limits, q, kRevolutionRounding) == nullptr;
+  }
+
   void Reach(PlannedPoint& planned) {
     Compensation& c = *planned.compensation;
     Pose X_WT = carrier_.ToolPose(planned.q);
     X_WT.translation() += c.shift;
-    const auto q = InverseNear(plan_.arm, carrier_.FlangePose(X_WT), Status(plan_.arm, planned.q), planned.q);
-    const bool within = q && (q->array() >= plan_.arm.lower.array()).all() &&
-                        (q->array() <= plan_.arm.upper.array()).all() &&
-                        FirstBeyond(plan_.arm.coupled_limits, *q, kRevolutionRounding) == nullptr;
-    if (within) {
-      c.q = *q;
-      ++counts_.shifted;
-    } else {
-      ++counts_.unreached;
+    const Pose X_BF = carrier_.FlangePose(X_WT);
+    const int branch = Status(plan_.arm, planned.q);
+    const auto q = options_.deviations
+                       ? TrueInverseNear(plan_.arm, *options_.deviations, X_BF, branch, planned.q)
+                       : InverseNear(plan_.arm, X_BF, branch, planned.q);
+    const bool shifted = !c.shift.isZero(0.0);
+    if (!q || !IsAllowed(*q)) {
+      if (shifted)
+        ++counts_.unreached;
+      else
+        counts_.out_of_reach.push_back(here_at_);
       StayNominal(planned);
+      return;
     }
+    c.q = *q;
+    counts_.shifted += shifted;
+    if (!options_.deviations) return;
+    const Pose commanded = carrier_.ToolPose(c.q);
+    c.arm_shift = commanded.translation() - X_WT.translation();
+    c.arm_turn = RotationVector(commanded.linear() * X_WT.linear().transpose());
+    counts_.largest_arm_shift = std::max(counts_.largest_arm_shift, c.arm_shift.norm());
   }
 
- public:
-  static void StayNominal(PlannedPoint& planned) {
+  void StayNominal(PlannedPoint& planned) {
     Compensation& c = *planned.compensation;
+    const bool shifted = !c.shift.isZero(0.0);
     c.q = planned.q;
     c.shift.setZero();
     c.weight.setZero();
+    c.arm_shift.setZero();
+    c.arm_turn.setZero();
     c.normal.taken = c.across.taken = c.map = 0;
+    if (options_.deviations && shifted) Reach(planned);
+  }
+
+ public:
+  void LeavePiece(size_t p, const Segment& piece) {
+    PassResult& pass = plan_.passes[p];
+    Stand(pass.external);
+    for (auto i = static_cast<size_t>(piece.first); i <= static_cast<size_t>(piece.last); ++i) {
+      if (!pass.points[i].compensation) continue;
+      if (pass.points[i].external) Stand(*pass.points[i].external);
+      here_at_ = {p, i};
+      StayNominal(pass.points[i]);
+    }
   }
 
  private:
@@ -221,12 +255,13 @@ class Compensator {
   size_t per_layer_;
   LeftStanding above_, here_;
   CompensationCounts counts_;
+  std::pair<size_t, size_t> here_at_;  ///< index of the pass, of the point
 };
 
 }  // namespace
 
 bool IsOn(const CompensationOptions& options) {
-  return options.deflection != TakeOut::kOff || options.weight || !options.map.empty();
+  return options.deflection != TakeOut::kOff || options.weight || !options.map.empty() || options.deviations;
 }
 
 PointForces ForcesOf(const PlanResult& plan) {
@@ -245,17 +280,40 @@ CompensationCounts Compensate(const CompensationOptions& options, const PointFor
   return Compensator(options, forces, plan).Run();
 }
 
-void LeaveNominal(PassResult& pass, const Segment& piece) {
-  for (auto i = static_cast<size_t>(piece.first); i <= static_cast<size_t>(piece.last); ++i)
-    if (pass.points[i].compensation) Compensator::StayNominal(pass.points[i]);
+void LeaveNominal(const CompensationOptions& options, size_t pass, const Segment& piece, PlanResult& plan) {
+  const PointForces none;
+  Compensator(options, none, plan).LeavePiece(pass, piece);
 }
 
+namespace {
+
+bool AnyPoint(const PlanResult& plan, const std::function<bool(const PlannedPoint&)>& is) {
+  return std::ranges::any_of(plan.passes,
+                             [&](const PassResult& pass) { return std::ranges::any_of(pass.points, is); });
+}
+
+}  // namespace
+
 bool IsCompensated(const PlanResult& plan) {
-  return std::ranges::any_of(plan.passes, [](const PassResult& pass) {
-    return std::ranges::any_of(pass.points, [](const PlannedPoint& point) {
-      return point.compensation && !point.compensation->shift.isZero(0.0);
-    });
+  return AnyPoint(plan, [](const PlannedPoint& point) {
+    return point.compensation && !point.compensation->shift.isZero(0.0);
   });
+}
+
+bool HasCommanded(const PlanResult& plan) {
+  return AnyPoint(
+      plan, [](const PlannedPoint& point) { return point.compensation && point.compensation->q != point.q; });
+}
+
+void SwapCommanded(std::vector<PassResult>& passes) {
+  for (PassResult& pass : passes)
+    for (PlannedPoint& planned : pass.points)
+      if (planned.compensation) std::swap(planned.q, planned.compensation->q);
+}
+
+void ForgetCommanded(std::vector<PassResult>& passes) {
+  for (PassResult& pass : passes)
+    for (PlannedPoint& planned : pass.points) planned.compensation.reset();
 }
 
 PlanResult Commanded(PlanResult plan) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/enum_words.hpp"
+#include "machine/robot/deviations.hpp"
 #include "planning/compensation/interval.hpp"
 #include "planning/result/plan_result.hpp"
 
@@ -43,6 +44,8 @@ struct CompensationOptions {
   std::function<Eigen::Vector3d(const Joints& q)> weight;
   /// What the map of a measured part takes out along the normal, after everything else; empty: no map.
   PointAmounts map;
+  /// By how much the arm's frames stand elsewhere than its controller has them; empty: left alone.
+  std::optional<ArmDeviations> deviations;
 };
 
 /// Whether anything is to be shifted.
@@ -60,21 +63,33 @@ struct CompensationCounts {
   size_t cut = 0;          ///< points whose shift would be larger than `most`
   double largest_cut = 0;  ///< mm, the largest that any of them would be
   size_t unreached = 0;    ///< points that keep their nominal pose since the arm does not reach the other
+  /// Points (index of the pass, of the point) that the arm as it is does not reach within its limits.
+  std::vector<std::pair<size_t, size_t>> out_of_reach;
+  double largest_arm_shift = 0;  ///< mm, that its deviations ask for
 };
 
 /// Sets `compensation` of all planned points (empty where nothing is asked for). A cut point with a force
 /// gets what is to be taken out there, bounded in how fast it changes along its piece; where the cutter meets
 /// nothing, on leads, and where a ring begins and closes the shift is zero but for weight's. A layer cut
 /// above another leaves its own residual, which counts in the depth and so in the force of the one below it.
-/// Interference is not looked at.
+/// With deviations every planned point is commanded such that the arm as it is comes to the pose so found,
+/// its orientation too; nothing of that is bounded or blended. Interference is not looked at.
 CompensationCounts Compensate(const CompensationOptions& options, const PointForces& forces,
                               PlanResult& plan);
 
-/// A piece runs at its nominal poses.
-void LeaveNominal(PassResult& pass, const Segment& piece);
+/// A piece runs without its shifts: at its nominal poses, or where there are deviations, at those that bring
+/// the arm as it is there.
+void LeaveNominal(const CompensationOptions& options, size_t pass, const Segment& piece, PlanResult& plan);
 
-/// Whether any point of a plan is commanded to another pose than its nominal one.
+/// Whether any point of a plan is shifted: such a program cuts deeper where the stock is gone.
 bool IsCompensated(const PlanResult& plan);
+/// Whether any is commanded to another pose than its nominal one.
+bool HasCommanded(const PlanResult& plan);
+
+/// Exchanges nominal and commanded angles where both are; twice: nothing.
+void SwapCommanded(std::vector<PassResult>& passes);
+/// Takes `compensation` from all points.
+void ForgetCommanded(std::vector<PassResult>& passes);
 
 /// The plan with the commanded angles in place of the nominal ones: what programs are made of.
 PlanResult Commanded(PlanResult plan);

@@ -15,11 +15,16 @@ OffPlace OffByArm(const PlanResult& plan, const PassResult& pass, size_t number,
   const ExternalPosition& external = ExternalAt(pass, number);
   const Pose X_PW = PartAt(plan, external).inverse(Eigen::Isometry);
   const Matrix3d R_PB = X_PW.linear() * BaseAt(plan, external).linear();
-  const Pose nominal = ForwardFlange(plan.arm, planned.q), own = TrueFlange(plan.arm, deviations, planned.q);
+  const Joints& q = planned.compensation ? planned.compensation->q : planned.q;
+  const Pose nominal = ForwardFlange(plan.arm, q), own = TrueFlange(plan.arm, deviations, q);
   const Vector3d tip = plan.X_FT.translation();
   OffPlace place{X_PW * planned.point.position, X_PW.linear() * planned.point.normal, {}};
   place.off << R_PB * (own * tip - nominal * tip),
       R_PB * RotationVector(own.linear() * nominal.linear().transpose());
+  if (planned.compensation) {
+    place.off.head<3>() += X_PW.linear() * planned.compensation->arm_shift;
+    place.off.tail<3>() += X_PW.linear() * planned.compensation->arm_turn;
+  }
   return place;
 }
 

@@ -18,7 +18,8 @@ struct OffPlace {
   FrameTwist off;                    ///< of the tip, and of the tool's direction
 };
 
-/// At point `number` of a planned pass, run from the nominal angles: true less nominal.
+/// At point `number` of a planned pass, run as it is commanded: true less nominal, but for what compensation
+/// shifts. Next to nothing where the deviations are taken out.
 OffPlace OffByArm(const PlanResult& plan, const PassResult& pass, size_t number,
                   const ArmDeviations& deviations);
 

@@ -36,13 +36,17 @@ struct Compensation {
     double LargestBefore() const { return std::max(std::abs(low), std::abs(high)); }
     double LargestAfter() const { return std::max(std::abs(low - taken), std::abs(high - taken)); }
   };
-  Joints q = Joints::Zero();                         ///< commanded, rad
-  Eigen::Vector3d shift = Eigen::Vector3d::Zero();   ///< of the tip, from nominal to commanded
+  Joints q = Joints::Zero();  ///< commanded, rad
+  Eigen::Vector3d shift =
+      Eigen::Vector3d::Zero();  ///< of the tip, from nominal, but for the arm's deviations
   Eigen::Vector3d weight = Eigen::Vector3d::Zero();  ///< what the shift takes out of the arm's own sag
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< mean, on the tool, N
   Along normal, across;                              ///< the surface normal; normal × feed
   double map = 0;        ///< mm along the normal that the map of a measured part takes out
   bool bounded = false;  ///< the shift was cut to the largest allowed
+  /// By how much the commanded tool lies elsewhere, and is turned (rotation vector, rad), for the deviations
+  /// of the arm: so commanded, the arm as it is goes where `shift` has it.
+  Eigen::Vector3d arm_shift = Eigen::Vector3d::Zero(), arm_turn = Eigen::Vector3d::Zero();
 };
 
 /// A milling point as planned (vectors in W), or why it was skipped.

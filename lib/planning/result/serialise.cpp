@@ -235,6 +235,8 @@ void Fields(Archive& a, Compensation& c) {
   a("across", c.across);
   a("map", c.map);
   a("bounded", c.bounded);
+  a("arm_shift", c.arm_shift);
+  a("arm_turn", c.arm_turn);
 }
 
 template <class Archive>

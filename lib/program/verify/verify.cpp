@@ -227,12 +227,13 @@ std::optional<Interference> InterferenceOf(const Replayed& replayed, size_t i, c
 /// What motion `i` comes too near to on its whole way, external axes moving along, with so much of the
 /// clearances.
 std::optional<Interference> InterferenceAlong(const Replayed& replayed, size_t i, const World& world,
-                                              double share, const VerifyOptions& options) {
+                                              const Cell& commanded, double share,
+                                              const VerifyOptions& options) {
   const MotionProgram& program = replayed.program;
   std::vector<Instant> instants;
   std::vector<Finding> said;
   if (program.motions[i].type == MotionType::kLinear)
-    AppendInstants(program, world.cell(), replayed.replay, i, kInterferenceStep, instants, said);
+    AppendInstants(program, commanded, replayed.replay, i, kInterferenceStep, instants, said);
   else
     instants.push_back({replayed.replay.targets[i], {}, i, 1});
   CoordinatedPath way{
@@ -259,18 +260,20 @@ class Checkers {
   std::map<std::pair<ExternalPosition, double>, Checker> checkers_;
 };
 
-/// Checks motion `i` for interference, with so much of the clearances.
-void CheckInterference(const Replayed& replayed, size_t i, const World& world, Checkers& checkers,
-                       double share, const VerifyOptions& options, std::vector<Finding>& findings) {
+/// Checks motion `i` for interference, with so much of the clearances; `commanded`: the cell that its
+/// controller computes with.
+void CheckInterference(const Replayed& replayed, size_t i, const World& world, const Cell& commanded,
+                       Checkers& checkers, double share, const VerifyOptions& options,
+                       std::vector<Finding>& findings) {
   const Motion& motion = replayed.program.motions[i];
   if (!replayed.replay.reached[i] || motion.call >= 0) return;
   std::optional<Interference> hit;
   if (CoordinatedMotions(replayed.program, i))
-    hit = InterferenceAlong(replayed, i, world, share, options);
+    hit = InterferenceAlong(replayed, i, world, commanded, share, options);
   else if (MovesExternal(replayed.program, i))
     hit = InterferenceOfMove(replayed, i, world, options.swept_resolution);
   else
-    hit = InterferenceOf(replayed, i, world.cell(), checkers.At(motion.external, share), options);
+    hit = InterferenceOf(replayed, i, commanded, checkers.At(motion.external, share), options);
   if (!hit) return;
   findings.push_back(
       At(replayed.program, i, Cause::kInterference,
@@ -365,6 +368,7 @@ std::vector<Finding> Verify(const MotionProgram& program, const World& world, co
                for (size_t i = first; i < last; ++i)
                  if (!proofs[i].sampled) check.Check(i, found);
              });
+  const World& bodies = options.as_it_is ? *options.as_it_is : world;
   const std::vector<bool> faulty = WithFindings(replayed, findings);
   std::vector<size_t> unproven;
   for (size_t i = 0; i < proofs.size(); ++i) {
@@ -373,9 +377,9 @@ std::vector<Finding> Verify(const MotionProgram& program, const World& world, co
   }
   ForMotions(unproven.size(), execution, findings,
              [&](size_t first, size_t last, std::vector<Finding>& found) {
-               Checkers checkers(world, options);
+               Checkers checkers(bodies, options);
                for (size_t k = first; k < last; ++k)
-                 CheckInterference(replayed, unproven[k], world, checkers,
+                 CheckInterference(replayed, unproven[k], bodies, cell, checkers,
                                    proofs[unproven[k]].clearance_share, options, found);
              });
   return Ordered(std::move(findings), options);

@@ -63,6 +63,9 @@ struct VerifyOptions {
   double wrist_least = 0.01;  ///< |sin A5| in straight motions: below, the wrist axes race
   bool interference =
       false;  ///< check every motion, not only what leaves the plan's; always so without a plan
+  /// Whose bodies are held apart: the world with the arm as it is, where the program is for that one.
+  /// nullptr: the one that the controller computes with.
+  const World* as_it_is = nullptr;
   size_t most_findings = 200;  ///< of each cause; the rest is counted
   /// With a plan: its program as written and read back, frames completed. What texts and hands put into the
   /// program (texts of the cell, calls, stops, waits, messages, tools) must then be what stands there.

@@ -66,5 +66,35 @@ TEST(Deviations, SmallOnesAddUp) {
   EXPECT_NEAR((got - moved).norm(), 0, 1e-4 * moved.norm());
 }
 
+// FK(IK(pose)) = pose, of the arm as it is.
+TEST(Deviations, TheInverseBringsTheArmAsItIsThere) {
+  std::mt19937 draw(4);
+  std::normal_distribution<double> part(0, 1);
+  const Arm arm = Kr500R2830();
+  int reached = 0;
+  for (int i = 0; i < 200; ++i) {
+    ArmDeviations deviations;
+    for (size_t k = 0; k < 7; ++k) {
+      deviations.shift[k] = 0.5 * Vector3d(part(draw), part(draw), part(draw));
+      deviations.turn[k] = 1e-3 * Vector3d(part(draw), part(draw), part(draw));
+    }
+    const Joints q = DrawnAngles(draw);
+    const SingularityDistance far = DistanceToSingularity(arm, q);
+    if (far.wrist < 0.1 || far.elbow < 0.1 || far.shoulder < 50) continue;
+    const Pose target = ForwardFlange(arm, q);
+    const auto found = TrueInverseNear(arm, deviations, target, Status(arm, q), q);
+    ASSERT_TRUE(found) << i;
+    ++reached;
+    EXPECT_LT((TrueFlange(arm, deviations, *found).matrix() - target.matrix()).cwiseAbs().maxCoeff(), 1e-8);
+    EXPECT_LT((*found - q).cwiseAbs().maxCoeff(), 0.2);
+    EXPECT_GT((*found - q).cwiseAbs().maxCoeff(), 1e-5);
+  }
+  EXPECT_GT(reached, 50);
+  // Out of reach: nothing.
+  Pose far = Pose::Identity();
+  far.translation() = Vector3d(9000, 0, 0);
+  EXPECT_FALSE(TrueInverseNear(arm, {}, far, 0, Joints::Zero()));
+}
+
 }  // namespace
 }  // namespace millpose

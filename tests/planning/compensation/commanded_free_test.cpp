@@ -55,10 +55,11 @@ TEST(CommandedFree, APieceThatItsShiftsBringTooNearRunsAtItsNominalPoses) {
   } progress;
   const Execution execution{1, progress, {}};
   PlanResult far = plan, near = plan;
-  EXPECT_TRUE(KeepCommandedFree(Stations(World(WithBar(plan, high + 10)), {}), 0.5, execution, far).empty());
+  EXPECT_TRUE(
+      KeepCommandedFree(Stations(World(WithBar(plan, high + 10)), {}), {}, 0.5, execution, far).empty());
   EXPECT_EQ(Serialise(far), Serialise(plan));
   const std::vector<std::string> told =
-      KeepCommandedFree(Stations(World(WithBar(plan, high)), {}), 0.5, execution, near);
+      KeepCommandedFree(Stations(World(WithBar(plan, high)), {}), {}, 0.5, execution, near);
   ASSERT_FALSE(told.empty());
   EXPECT_NE(told[0].find("is not compensated"), std::string::npos) << told[0];
   EXPECT_NE(told[0].find("bar"), std::string::npos) << told[0];

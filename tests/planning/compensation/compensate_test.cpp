@@ -193,9 +193,101 @@ TEST(Compensate, OutlivesSerialisation) {
 TEST(Compensate, APieceCanBeLeftNominal) {
   PlanResult plan = Forced();
   Compensate(Sure(), ForcesOf(plan), plan);
-  LeaveNominal(plan.passes[0], plan.passes[0].pieces[0]);
+  LeaveNominal({}, 0, Segment(plan.passes[0].pieces[0]), plan);
   for (const PlannedPoint& point : plan.passes[0].points) EXPECT_EQ(point.compensation->q, point.q);
   EXPECT_TRUE(IsCompensated(plan));  // by the others
+}
+
+ArmDeviations SomeDeviations() {
+  ArmDeviations deviations;
+  for (size_t i = 0; i < 7; ++i) {
+    const double k = static_cast<double>(i);
+    deviations.shift[i] = 0.3 * Vector3d(std::cos(k), std::sin(2 * k), std::cos(3 * k));
+    deviations.turn[i] = 4e-4 * Vector3d(std::sin(k), std::cos(2 * k), std::sin(3 * k));
+  }
+  return deviations;
+}
+
+/// How far the tool of the arm as it is lies, and is turned, from the nominal pose moved by the shift.
+std::pair<double, double> OffOwn(const PlanResult& plan, const ArmDeviations& deviations,
+                                 const PlannedPoint& point) {
+  const Pose own = plan.X_WB * TrueFlange(plan.arm, deviations, point.compensation->q) * plan.X_FT,
+             nominal = plan.X_WB * ForwardFlange(plan.arm, point.q) * plan.X_FT;
+  return {(own.translation() - nominal.translation() - point.compensation->shift).norm(),
+          (own.linear() - nominal.linear()).norm()};
+}
+
+TEST(Compensate, TheArmAsItIsComesToThePlannedPose) {
+  PlanResult plan = Forced();
+  CompensationOptions options;
+  options.deviations = SomeDeviations();
+  const CompensationCounts counts = Compensate(options, ForcesOf(plan), plan);
+  EXPECT_TRUE(counts.out_of_reach.empty());
+  EXPECT_GT(counts.largest_arm_shift, 0.3);
+  EXPECT_EQ(counts.shifted, 0u);
+  EXPECT_TRUE(HasCommanded(plan));
+  EXPECT_FALSE(IsCompensated(plan));  // it may be run twice
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points) {
+      const auto [tip, turn] = OffOwn(plan, *options.deviations, point);
+      EXPECT_LT(tip, 1e-9);
+      EXPECT_LT(turn, 1e-12);
+      // What the controller is told: the nominal pose moved by arm_shift.
+      EXPECT_LT(
+          (TipAt(plan, point.compensation->q) - point.point.position - point.compensation->arm_shift).norm(),
+          1e-9);
+      EXPECT_GT(point.compensation->arm_turn.norm(), 1e-5);
+    }
+  const std::string bytes = Serialise(plan);
+  EXPECT_EQ(Serialise(ParsePlanResult(bytes, "plan.cbor")), bytes);
+}
+
+TEST(Compensate, DeviationsStandBesideWhatForceAndWeightShift) {
+  PlanResult plan = Forced(), plain = Forced();
+  CompensationOptions options = Sure();
+  Compensate(options, ForcesOf(plain), plain);
+  options.deviations = SomeDeviations();
+  Compensate(options, ForcesOf(plan), plan);
+  EXPECT_TRUE(IsCompensated(plan));
+  for (size_t p = 0; p < plan.passes.size(); ++p)
+    for (size_t i = 0; i < plan.passes[p].points.size(); ++i) {
+      const PlannedPoint& point = plan.passes[p].points[i];
+      EXPECT_EQ(point.compensation->shift, plain.passes[p].points[i].compensation->shift);
+      EXPECT_LT(OffOwn(plan, *options.deviations, point).first, 1e-9);
+    }
+  // Without its shifts a piece still is commanded for the arm as it is.
+  LeaveNominal(options, 0, Segment(plan.passes[0].pieces[0]), plan);
+  for (const PlannedPoint& point : plan.passes[0].points) {
+    EXPECT_EQ(point.compensation->shift, Vector3d::Zero());
+    EXPECT_LT(OffOwn(plan, *options.deviations, point).first, 1e-9);
+  }
+}
+
+TEST(Compensate, WhatTheArmAsItIsDoesNotReachIsNamed) {
+  PlanResult plan = Forced();
+  const PlannedPoint& point = plan.passes[0].points[3];
+  plan.arm.lower[0] = point.q[0];  // as far as the nominal arm has to go
+  CompensationOptions options;
+  options.deviations = ArmDeviations();
+  options.deviations->turn[1].z() = 1e-3;  // joint 1's offset
+  const CompensationCounts counts = Compensate(options, ForcesOf(plan), plan);
+  EXPECT_FALSE(counts.out_of_reach.empty());
+  for (const auto& [p, i] : counts.out_of_reach)
+    EXPECT_EQ(plan.passes[p].points[i].compensation->q, plan.passes[p].points[i].q);
+}
+
+TEST(Compensate, SwappedTwiceIsTheSame) {
+  PlanResult plan = Forced();
+  CompensationOptions options;
+  options.deviations = SomeDeviations();
+  Compensate(options, ForcesOf(plan), plan);
+  const std::string before = Serialise(plan);
+  SwapCommanded(plan.passes);
+  EXPECT_NE(Serialise(plan), before);
+  SwapCommanded(plan.passes);
+  EXPECT_EQ(Serialise(plan), before);
+  ForgetCommanded(plan.passes);
+  EXPECT_EQ(Serialise(plan), Serialise(Forced()));
 }
 
 }  // namespace

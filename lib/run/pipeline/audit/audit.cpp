@@ -185,12 +185,16 @@ void Collect(const std::vector<Step>& steps, const std::vector<Found>& found, Au
   }
 }
 
-void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, const Execution& execution,
-                  AuditFigures* figures) {
-  const audit::Setup setup = MakeJudgeSetup(cell);
-  std::vector<Step> steps = StepsOf(plan);
+void AuditMotions(const PlanResult& plan, const Cell& cell, const AuditRules& rules,
+                  const Execution& execution, AuditFigures* figures) {
+  const double resolution = rules.resolution;
+  audit::Setup setup = MakeJudgeSetup(cell);
+  for (size_t i = 0; rules.deviations && i < setup.deviations.size(); ++i)
+    setup.deviations[i] = DeviationOf(*rules.deviations, i).matrix().cast<audit::Real>();
+  std::vector<Step> steps;
+  if (!rules.deviations) steps = StepsOf(plan);
   const PlanResult commanded = Commanded(plan);  // whose moves its steps point at
-  if (IsCompensated(plan)) std::ranges::move(StepsOf(commanded), std::back_inserter(steps));
+  if (HasCommanded(plan)) std::ranges::move(StepsOf(commanded), std::back_inserter(steps));
   std::vector<Found> found(steps.size());
   // A judge has a state of its own: one for each share of the steps.
   const auto parts = static_cast<size_t>(std::max(1, execution.Threads()));
@@ -227,7 +231,7 @@ AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, c
                    const Execution& execution) {
   AuditFigures figures;
   AuditPoints(plan, mesh, rules, &figures);
-  AuditMotions(plan, cell, rules.resolution, execution, &figures);
+  AuditMotions(plan, cell, rules, execution, &figures);
   return figures;
 }
 

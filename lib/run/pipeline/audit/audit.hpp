@@ -18,6 +18,8 @@ struct AuditRules {
   AdmissibleBounds bounds;
   CutterShape cutter;
   double resolution = 0;  ///< mm: what a motion between two points may miss of a clearance
+  /// Where the programs take the arm's deviations out: commanded motions are then those of the arm as it is.
+  std::optional<ArmDeviations> deviations = {};
 };
 
 /// Recomputes the figures of summary.json's `audit` from the finished plan, but for those of the optima

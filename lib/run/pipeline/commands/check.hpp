@@ -14,6 +14,7 @@
 #include "geometry/import/mesh_import.hpp"
 #include "geometry/import/mesh_parts.hpp"
 #include "job/arrival.hpp"
+#include "job/config/config.hpp"
 #include "job/inputs.hpp"
 #include "toolpath/cam/cam_source.hpp"
 
@@ -105,6 +106,7 @@ struct CheckJobArguments {
   int threads = 0;  ///< 0: all cores
   double max_points = 2e6;
   ViewFile view{};
+  std::vector<Override> overrides{};  ///< settings in place of the job's
 };
 
 /// Everything that `plan` refuses or warns of before it plans, told as `plan` tells it. Throws InputError for

@@ -13,7 +13,7 @@ namespace millpose {
 
 std::vector<JobCheck> CheckOperations(const std::filesystem::path& job, const CheckJobArguments& arguments,
                                       const FileRoot& root, Progress& progress, const std::stop_token& stop) {
-  std::vector<JobInputs> inputs = LoadOperations(job, {}, root);
+  std::vector<JobInputs> inputs = LoadOperations(job, arguments.overrides, root);
   std::vector<JobCheck> checks;
   for (size_t i = 0; i < inputs.size(); ++i) {
     CheckJobArguments own = arguments;

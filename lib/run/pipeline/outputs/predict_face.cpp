@@ -122,13 +122,15 @@ FaceReport PredictFace(const JobInputs& inputs, const PlanResult& plan, const Me
   const int finished_from = FinishedFrom(inputs.job, plan.passes.size());
   std::optional<ArmDeviations> deviations;
   if (inputs.cell.arm.deviations) deviations = MakeDeviations(*inputs.cell.arm.deviations);
-  const auto study = [&](const PlanResult& of) {
+  // A program at a fixed rotation would take out what the plan's do.
+  const bool taken_out = inputs.job.compensation.deviations;
+  const auto study = [&](const PlanResult& of, bool errs) {
     const ErringPath path(of, compliances, finished_from, WeightIn(of.arm, gears),
-                          deviations ? &*deviations : nullptr);
+                          deviations && errs ? &*deviations : nullptr);
     return StudyFace(path, cutter, report.rays, few, report.stated,
                      {options.draws, inputs.job.seed, StockOver(inputs.job)}, execution);
   };
-  report.plan = study(plan);
+  report.plan = study(plan, true);
   if (report.plan.flawless.figures.rays == 0)
     throw InputError({inputs.job_file.string()}, "the tool comes near no place of the region");
   report.fixed_in_the_way = options.fixed_in_the_way;
@@ -137,7 +139,7 @@ FaceReport PredictFace(const JobInputs& inputs, const PlanResult& plan, const Me
       AtFixedRotation(plan, stations, *options.rotation, &report.fixed_in_the_way);
   if (!fixed) return report;
   report.rotation = options.rotation;
-  report.fixed = study(*fixed);
+  report.fixed = study(*fixed, !taken_out);
   return report;
 }
 

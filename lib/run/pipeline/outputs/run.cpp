@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "job/assemble.hpp"
+#include "job/compensate_job.hpp"
 #include "job/config/config.hpp"
 #include "job/step_meshes.hpp"
 #include "report/samples/judge_optima.hpp"
@@ -45,7 +46,7 @@ AuditFigures JudgePlan(const JobInputs& inputs, const Execution& execution, Plan
                        std::vector<std::string>& findings) {
   execution.progress.Begin("audit", 0);
   const AuditRules rules{job.prepared.problem.bounds, MakeCutterShape(inputs.cell.tool),
-                         inputs.job.swept_resolution};
+                         inputs.job.swept_resolution, CommandedDeviations(inputs.job, inputs.cell)};
   AuditFigures audit = Audit(job.plan, job.prepared.surface.mesh, job.prepared.cell, rules, execution);
   JudgeOptima(job.prepared.stations, inputs.job.path.genetic, inputs.job.exhaustive_step, execution, job.plan,
               audit);

@@ -204,8 +204,9 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   report.lost_motion =
       ReportLostMotion(plan, MakeGearModel(results.inputs.cell), results.inputs.cell.arm.lost_motion_source,
                        FinishedFrom(results.inputs.job, plan.passes.size()));
-  const std::optional<GeometryFigures> geometry =
+  std::optional<GeometryFigures> geometry =
       ErrorOfGeometry(results.inputs.cell.arm, plan, FinishedFrom(results.inputs.job, plan.passes.size()));
+  if (geometry) geometry->taken_out = results.inputs.job.compensation.deviations;
   report.budget =
       MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion,
                  report.registration ? &*report.registration : nullptr, geometry ? &*geometry : nullptr);

@@ -5,6 +5,7 @@
 
 #include "base/units.hpp"
 #include "job/assemble.hpp"
+#include "job/compensate_job.hpp"
 #include "program/controller_axes.hpp"
 #include "run/pipeline/programs/program_motions.hpp"
 
@@ -31,7 +32,8 @@ Pose WindowCorner(int i, double shift, double turn) {
 
 /// What goes wrong with the base shifted; empty when nothing does.
 std::string WhatBars(const MotionProgram& planned, const Cell& cell, const Pose& X_PP,
-                     const VerifyOptions& options, const Execution& execution) {
+                     const std::optional<ArmDeviations>& deviations, VerifyOptions options,
+                     const Execution& execution) {
   MotionProgram program = planned;
   program.X_BP = *planned.X_BP * X_PP;
   program.files = {"shifted"};
@@ -50,6 +52,8 @@ std::string WhatBars(const MotionProgram& planned, const Cell& cell, const Pose&
     motion.q = *q;
   }
   // Compared with itself: only its own motion can be wrong.
+  std::optional<World> as_it_is;
+  if (deviations) options.as_it_is = &as_it_is.emplace(AsItIs(shifted, *deviations));
   const std::vector<Finding> findings = Verify(program, World(shifted), &program, options, execution);
   return findings.empty() ? std::string() : findings.front().message;
 }
@@ -72,7 +76,8 @@ std::optional<BaseWindow> FindBaseWindow(const PlanResult& plan, const JobInputs
     window.turn = share * job.program_options.base_turn;
     std::string obstacle;
     for (int i = 0; i < kCorners && obstacle.empty(); ++i)
-      obstacle = WhatBars(planned, cell, WindowCorner(i, window.shift, window.turn), options, execution);
+      obstacle = WhatBars(planned, cell, WindowCorner(i, window.shift, window.turn),
+                          CommandedDeviations(job, inputs.cell), options, execution);
     if (obstacle.empty()) return window;
     window.obstacle = obstacle;
   }

@@ -53,6 +53,9 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
     options.header.emplace_back("COMPENSATED", "NOT TO BE RUN TWICE ON ONE PART");
     options.notice = kCompensatedNotice;
   }
+  if (lift == 0 && job.compensation.deviations)
+    options.header.emplace_back("corrected_for_arm", fmt::format("{}, measured on {}", inputs.cell.arm.serial,
+                                                                 inputs.cell.arm.deviations->date));
   options.approach_feed = job.approach_feed;
   options.approach_slow = job.approach_slow;
   options.plunge_feed = job.plunge_feed.value_or(0);

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "job/assemble.hpp"
+#include "job/compensate_job.hpp"
 
 namespace millpose {
 
@@ -14,6 +15,10 @@ Programming::Programming(const JobInputs& all, std::string name, const World& at
       post(*all.cell.controllers.at(controller).post),
       options(MakeVerifyOptions(all.job, at_zero.cell().arm)),
       execution(run) {
+  if (const auto deviations = CommandedDeviations(all.job, all.cell)) {
+    as_it_is = std::make_shared<const World>(AsItIs(at_zero.cell(), *deviations));
+    options.as_it_is = as_it_is.get();
+  }
   if (settings.max_corner) options.max_corner = *settings.max_corner;
   if (options.max_corner > options.clearance_reserve)
     throw InputError(

@@ -19,6 +19,7 @@ struct Programming {
   const World& world;  ///< with the external axes at 0
   const PostSettings settings;
   const Post& post;
+  std::shared_ptr<const World> as_it_is;  ///< where the job takes the arm's deviations out
   VerifyOptions options;
   const Execution execution;
 };

@@ -53,7 +53,7 @@ std::vector<Finding> ReadBack(const ProgramFiles& files, const ProgramMotions& m
                               const PlanResult& single, Programming with) {
   // The ways of starts lead to the nominal poses: to commanded ones nothing has looked at them yet.
   // Nor at the move of external axes from where a cut along which they move has left them.
-  with.options.interference |= IsCompensated(single) || MovesAlong(single);
+  with.options.interference |= HasCommanded(single) || MovesAlong(single);
   try {
     MotionProgram back = with.post.Read(files, with.world.cell().arm, with.settings);
     CompleteFrames(back, motions.planned);

@@ -145,22 +145,32 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
     return LeaveIncomplete(job.prepared.toolpath, plan.passes) +
            LeaveOverMissing(inputs, job.prepared.surface.mesh, execution, plan);
   };
+  const Stations as_it_is = StationsAsItIs(inputs, job.prepared.stations);
+  const auto plan_gaps = [&] {
+    while (CommandForTheArm(inputs, plan) > 0) leave_over_missing();
+    SwapCommanded(plan.passes);  // ways lead to where the arm is commanded
+    PlannedLinkMoves gaps = PlanAllLinkMoves(as_it_is, plan.passes, options, checkpoints, execution);
+    SwapCommanded(plan.passes);
+    plan.gaps = std::move(gaps.gaps);
+    return gaps.resumed;
+  };
   leave_over_missing();
   execution.progress.Begin("gaps", LinkMoveEnds(HomeOf(plan), plan.passes).size());
-  PlannedLinkMoves gaps =
-      PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution);
-  job.resumed_gaps = gaps.resumed;
-  plan.gaps = std::move(gaps.gaps);
-  const auto plan_gaps = [&] {
-    plan.gaps = PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution).gaps;
-  };
-  while (leave_over_missing() > 0) plan_gaps();  // over pieces that no way leads to
+  job.resumed_gaps = plan_gaps();
+  const auto settle =
+      [&] {  // over pieces that no way leads to, or that are not free where they are commanded
+        while (leave_over_missing() > 0 || LeaveOutBlocked(inputs, as_it_is, execution, plan) > 0)
+          plan_gaps();
+      };
+  settle();
   execution.progress.End(
       fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), job.resumed_gaps));
   while (LeaveInRawStock(inputs, execution, job) > 0) {
     leave_over_missing();
     plan_gaps();
+    settle();
   }
+  ForgetCommanded(plan.passes);
   execution.progress.Begin("fixed rotations", 0);
   job.fixed = KeptComparison(inputs, job.prepared, plan.passes, checkpoints, execution);
   execution.progress.End(fmt::format("{} points compared", job.fixed.plan.size()));
@@ -170,15 +180,17 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   if (!entries.empty()) job.prepared.warnings.push_back(entries);
   const auto feeds = FeedsOf(plan);
   if (inputs.job.feed_policy == FeedPolicy::kReduce) job.reduction = ReduceFeeds(plan);
-  const CompensationNotes notes = CompensateJob(inputs, job.prepared.stations, feeds, execution, plan);
+  const CompensationNotes notes = CompensateJob(inputs, as_it_is, feeds, execution, plan);
   std::ranges::copy(notes.warnings, std::back_inserter(job.prepared.warnings));
   std::ranges::copy(notes.findings, std::back_inserter(job.prepared.made.findings));
   job.compensation_remains = notes.remains;
   if (inputs.job.programs.empty()) return;
+  const bool own_arm = inputs.job.compensation.deviations;
+  if (own_arm) SwapCommanded(plan.passes);
   const auto start_ends = StartEnds(LinkMoveEnds(HomeOf(plan), plan.passes));
+  if (own_arm) SwapCommanded(plan.passes);
   execution.progress.Begin("starts", start_ends.size());
-  job.starts.ways.gaps =
-      PlanLinkMoves(job.prepared.stations, start_ends, options, checkpoints, execution).gaps;
+  job.starts.ways.gaps = PlanLinkMoves(as_it_is, start_ends, options, checkpoints, execution).gaps;
   execution.progress.End(fmt::format("{} ways", start_ends.size()));
 }
 
