@@ -5,9 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "base/loose_file.hpp"
 #include "base/text.hpp"
 #include "commands.hpp"
-#include "run/pipeline/commands/diff_folders.hpp"
+#include "run/pipeline/commands/diff_page.hpp"
 
 namespace millpose {
 namespace {
@@ -16,6 +17,7 @@ struct DiffWords {
   DiffArguments arguments;
   std::vector<std::string> fail_on;
   bool json = false;
+  std::filesystem::path page;
 };
 
 /// A section, any, or FIGURE:PERCENT.
@@ -48,10 +50,12 @@ int Differ(const DiffWords& words) {
   for (const std::string& text : words.fail_on) rules.push_back(ParseRule(text));
   const std::vector<Change> changes = DiffFolders(words.arguments);
   bool fails = false;
+  std::vector<bool> each;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Change& change : changes) {
     const bool broken = std::ranges::any_of(rules, [&](const FailRule& rule) { return rule.Holds(change); });
     fails = fails || broken;
+    each.push_back(broken);
     if (!words.json) fmt::print("{}\n", change.Text());
     nlohmann::ordered_json one{{"section", change.section},
                                {"what", change.what},
@@ -62,6 +66,7 @@ int Differ(const DiffWords& words) {
     one["fails"] = broken;
     list.push_back(std::move(one));
   }
+  if (!words.page.empty()) WriteLooseFile(words.page, DiffPage(words.arguments, changes, each, words.page));
   if (words.json)
     fmt::print("{}\n", nlohmann::ordered_json{{"before", words.arguments.before.string()},
                                               {"after", words.arguments.after.string()},
@@ -88,6 +93,7 @@ void AddDiffCommand(CLI::App& app, Run& run) {
           "programs, or FIGURE:PERCENT, like clearance_min_mm:10; may be given again")
       ->allow_extra_args(false);
   command->add_flag("--json", words->json, "As JSON");
+  command->add_option("--html", words->page, "Write it to this file as a page too, both plans side by side");
   const RootOption root = AddRootOption(*command);
   command->callback([&run, words, root] {
     run = [words, root](Session&) {

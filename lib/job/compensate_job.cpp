@@ -74,6 +74,13 @@ std::vector<Problem> CheckCompensation(const JobSettings& job, const CellSetting
          fmt::format("compensation.deviations: given true; cell {} has no arm.deviations, which "
                      "say how the arm differs from its sheet",
                      cell.name)});
+  const auto plain = [](char c) { return c >= ' ' && c <= '~'; };
+  if (job.compensation.deviations && !std::ranges::all_of(cell.arm.serial, plain))
+    problems.push_back(
+        {{cell.file},
+         fmt::format("arm.serial: given {}; allowed with compensation.deviations of a job: plain "
+                     "ASCII characters, since programs say by it which arm they are for",
+                     cell.arm.serial)});
   const bool on = job.compensation.deflection != TakeOut::kOff || job.compensation.weight;
   if (on && cell.stiffness_at != StiffnessOrigin::kToolTip)
     problems.push_back({{job.file},

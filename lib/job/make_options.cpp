@@ -196,10 +196,9 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
                     "characters, none of \" ( ) {{ }} ;, blanks only one at a time between others",
                     post.tool_name));
   if (const std::string refusal = cell.controllers.at(controller).post->WhyNotIn(post); !refusal.empty()) {
+    const bool of_tool = !cell.tools.empty() && refusal.find("tool.load") != std::string::npos;
     const std::string whose =
-        cell.tools.empty()
-            ? ""
-            : fmt::format(" (its tool.* are those of {}, of the cell's tools)", cell.tool.name);
+        of_tool ? fmt::format(" (here `load` of {} among the cell's `tools`)", cell.tool.name) : "";
     throw InputError(SourceLocation{cell.file, cell.controllers_line}, refusal + whose);
   }
   return post;

@@ -175,8 +175,10 @@ void AuditCommanded(const Folder& folder, Figures& figures) {
     if (stated == folder.compensated.end()) {
       figures.Count("missing_shifts", name);
     } else {
-      shift -= stated->second.arm;
-      figures.Raise("max_shift_error_mm", (shift - stated->second.shift).norm(), name);
+      // They are told as the part has them, which may stand elsewhere at each point.
+      const Matrix3 R = setup.X_WP.block<3, 3>(0, 0) * folder.setup.X_WP.block<3, 3>(0, 0).transpose();
+      shift -= R * stated->second.arm;
+      figures.Raise("max_shift_error_mm", (shift - R * stated->second.shift).norm(), name);
     }
     figures.Raise("max_shift_excess_mm", shift.norm() - folder.goal.largest_shift, name);
     // So commanded, the arm that runs the program is where the plan has it, but for the shift.

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """millpose diff on pairs with one known change each: what differs is found, and nothing else. Usage: diff_test.py MILLPOSE TOP"""
+import html
 import json
+import re
 import shutil
 import unittest
 
@@ -67,6 +69,23 @@ class Diff(InFolder):
         self.assertEqual(refused.returncode, 2)
         self.assertIn("allowed: any, settings, points", refused.stderr)
         self.assertIn("settings   process.feed_mm_min: 80 -> 8\n", run("diff", base, slow).stdout)
+
+    def test_the_page_has_every_line_and_loads_nothing(self):
+        base, other = self.plan("base"), self.plan("other", "process.feed_mm_min=8", "gaps.retract_mm=5")
+        page = self.folder / "diff.html"
+        found, status = self.changes(base, other, "--html", page, "--fail-on", "settings")
+        self.assertEqual(status, 1)
+        text = page.read_text(encoding="utf-8")
+        rows = re.findall(r"<tr( class=\"bad\")?><td", text)
+        self.assertEqual(len(rows), len(found))
+        self.assertEqual(sum(map(bool, rows)), sum(entry["fails"] for entry in found))
+        for entry in found:
+            for key in ("what", "before", "after"):
+                self.assertIn(html.escape(entry[key], quote=False), html.unescape(text).replace("&", "&amp;") if "&" in entry[key] else text)
+        self.assertEqual(re.findall(r'href="([^"]*)"', text), ["base/report.html", "other/report.html"])
+        self.assertNotRegex(text, r"<script|src=|https?:")
+        run("diff", base, base, "--html", page)
+        self.assertIn("No difference.", page.read_text(encoding="utf-8"))
 
     def test_texts_alone_are_no_difference_and_other_folders_are_refused(self):
         base = self.plan("base")

@@ -42,18 +42,20 @@ LEFT_OUT = {
        for key in ("pose.xyz_mm", "pose.abc_deg", "centre_mm", "covariance_mm_mrad")},
     "workpiece.registration.tolerance_mm": "a bound on that (cli_register)",
     "compensation.map_csv": "another name of the same file (cli_register)",
+    "controllers.linuxcnc.m6_moves": "true is refused where programs have M6",
     "workpiece.stock.unit": "a stock of another size touches at home",
     "toolpath.drill.circles.diameter_mm": "of another diameter there is no hole",
     "pose.objective.expression": "stands in place of a name (cli_expression)",
     "toolpath.strategy": "each has keys of its own: the variants",
-    "operation": "a name for people", "tool.cutter.centre_cutting": "a bound, tested with what it bounds",
+    "operation": "a name for people", "operation_of": "a name for people",
+    "interference.far_bodies": "bodies so far away are told, and refused without it", "tool.cutter.centre_cutting": "a bound, tested with what it bounds",
     "tool.cutter.max_ramp_deg": "a bound, tested with what it bounds",
     "external_axes[].name": "known by its name elsewhere", "external[].axis": "has a unit of its own", "bodies[].axis": "the names of external_axes",
     "external_axes[].kind": "has keys of its own", "external[].scope": "the variants",
     "interference.unchecked_links": "links that have bodies are refused there",
 }
 # What a name may be changed to where it has to be one that is known.
-OTHER_NAMES = {"pose.objective.name": "isotropy", "process.cutting.material": "TiAl6V4", "tool": "other", "excluded_pairs": [["far0", "far2"]]}
+OTHER_NAMES = {"pose.objective.name": "isotropy", "process.cutting.material": "TiAl6V4", "tool": "other", "arm.deviations.date": "2026-02-03", "excluded_pairs": [["far0", "far2"]]}
 TEXTS = ("coolant_off", "coolant_on", "footer", "header", "pass_begin", "pass_end", "spindle_off", "spindle_on",
          "tool_change")
 WIDE = {
@@ -205,7 +207,9 @@ class Keys(InFolder):
         job, cell = self.base()
         job["process"]["cutting"] = {"teeth": 2, "depth_mm": 1, "material": "5A06"}
         job["path"]["over_missing"] = "leave_out"
-        job["compensation"] = {"deflection": "normal", "deviations": True, "max_deviation_mm": 6}
+        job["compensation"] = {"deflection": "normal", "deviations": True}
+        cell["arm"].update(gear_error={"amplitude_arcsec": [9.5] * 6, "periods_per_turn": [200.5] * 6, "source": "assumed"},
+                           gear_couplings=[{"gear": 3, "axis": 2, "factor": 0.5}])
         cell["arm"]["stiffness_uncertainty_percent"] = [5, 5, 5, 5, 5, 5]
         cell["arm"].update(serial="882134", deviations={
             "shifts_mm": [[0.1 * i, -0.05 * i, 0.2] for i in range(7)], "turns_mrad": [[0.1, 0.05 * i, -0.1] for i in range(7)],
@@ -239,7 +243,9 @@ class Keys(InFolder):
         cell["stiffness"]["gravity"] = {
             "reference_deg": [0, -90, 90, 0, 0, 0], "counterbalance": {"torque_Nm": 100, "zero_deg": -90},
             "masses": [{"name": "spindle", "mount": "link6", "mass_kg": 30, "centre_mm": [0, 0, 100.5]}]}
-        job["compensation"] = {"deflection": "off", "weight": True}
+        job["compensation"] = {"deflection": "off", "weight": True, "deviations": True, "max_deviation_mm": 6}
+        cell["arm"].update(serial="882134", gear_friction_Nm=[20.5] * 6, deviations={
+            "shifts_mm": [[0.1, 0, 0]] * 7, "turns_mrad": [[0, 0, 0]] * 7, "source": "drawn", "date": "2026-01-02"})
         krl = cell["controllers"]["krl"]
         krl["texts"] = {name: f"; {name}" for name in TEXTS}
         krl["outputs"] = [{"number": 3, "at": "cut_begin", "set": True, "delay_ms": -20}]
@@ -258,6 +264,12 @@ class Keys(InFolder):
         job["process"]["feed"] = "keep"
         self.strategy(job, "pad", {"pattern": "zigzag", "along": [1, 0, 0], "offset_mm": 20})
         yield job, cell
+
+        for raw in ({"box": {"lower_mm": [-60.5, -60, -5], "upper_mm": [60.5, 60, 3]}, "resolution_mm": 2.5},
+                    {"cylinder": {"centre_mm": [0.5, 0, -5], "axis": [0, 0.01, 1], "radius_mm": 90.5, "length_mm": 8}, "resolution_mm": 2.5}):
+            job, cell = self.base()
+            job["workpiece"]["stock"] = raw
+            yield job, cell
 
         (self.folder / "path.csv").write_text("x_mm,y_mm,z_mm,i,j,k\n-50,0,0,0,0,1\n50,0,0,0,0,1\n")
         shutil.copy(self.folder / "path.csv", self.folder / "copy_of_path.csv")
@@ -280,6 +292,7 @@ class Keys(InFolder):
         other = {**copy.deepcopy(tool), "name": "other", "number": 8}
         cell["tools"] = [{**tool, "name": "mill", "number": 7, "compliances": [collet]}, other]
         cell["tool_change_deg"] = [60, -90, 90, 0, 30, 0]
+        cell["controllers"]["linuxcnc"]["m6_moves"] = False
         cell["controllers"]["krl"]["tool_in_spindle"] = "TOOL_IN"
         job["tool"] = "mill"
         yield job, cell
@@ -290,9 +303,11 @@ class Keys(InFolder):
             job.update(external=external, programs=[])
             cell["external_axes"] = [
                 {"name": "rail", "kind": "linear", "carries": "robot", "axis": [0, 1, 0.1], "limits_mm": [-50, 250], "home_mm": 0.5,
-                 "speed_mm_s": 500, "acceleration_mm_s2": 400, "stiffness_N_mm": 1e5, "stiffness_source": "assumed"},
+                 "speed_mm_s": 500, "acceleration_mm_s2": 400, "stiffness_N_mm": 1e5, "stiffness_source": "assumed",
+                 "lost_motion_um": 20.5, "lost_motion_source": "assumed"},
                 {"name": "turn", "kind": "rotary", "carries": "workpiece", "axis": [0, 0.1, 1], "origin_mm": [2000, 0, 0], "limits_deg": [-20, 20],
-                 "home_deg": 0.5, "speed_deg_s": 20, "acceleration_deg_s2": 20, "stiffness_Nm_per_rad": 1e7, "stiffness_source": "assumed"}]
+                 "home_deg": 0.5, "speed_deg_s": 20, "acceleration_deg_s2": 20, "stiffness_Nm_per_rad": 1e7, "stiffness_source": "assumed",
+                 "lost_motion_arcmin": 0.5, "lost_motion_source": "assumed"}]
             cell["bodies"].append({"name": "carriage", "class": "fixture", "mount": "carriage", "axis": "rail", "shape": {"sphere": {"diameter_mm": 9}},
                                    "pose": {"xyz_mm": [-3000, 3000, 0], "abc_deg": [0, 0, 0]}})
             yield job, cell

@@ -7,42 +7,19 @@
 #include "base/text.hpp"
 #include "report/html_columns.hpp"
 #include "report/page/escaped.hpp"
+#include "report/page/table_page.hpp"
 #include "run/batch/batch.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr const char* kHead = R"html(<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>millpose batch</title>
-<style>
-:root { color-scheme: light dark; --ink: #27313b; --muted: #5b6773; --line: #dfe4e9; --card: #fff; --ground: #eef1f4; --accent: #2b5fa8; --bad: #b3261e; }
-@media (prefers-color-scheme: dark) {
-  :root { --ink: #e4e8ec; --muted: #a3adb7; --line: #3a434c; --card: #1f262d; --ground: #161b20; --accent: #8ab4f0; --bad: #ff9d94; }
-}
-@media print { :root { color-scheme: light; --ink: #000; --muted: #333; --line: #999; --card: #fff; --ground: #fff; --accent: #000; --bad: #000; } }
-* { box-sizing: border-box; }
-body { margin: 0; padding: 14px 18px 30px; background: var(--ground); color: var(--ink); font: 13px/1.45 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; }
-h1 { font-size: 19px; margin: 0 0 4px; }
+constexpr const char* kStyle = R"html(h1 { margin: 0 0 4px; }
 p { margin: 0 0 10px; color: var(--muted); }
-.scroll { overflow-x: auto; background: var(--card); border: 1px solid var(--line); border-radius: 5px; }
-table { border-collapse: collapse; width: 100%; }
-th, td { padding: 5px 9px; border-bottom: 1px solid var(--line); text-align: left; white-space: nowrap; vertical-align: top; }
 th { padding: 0; vertical-align: bottom; }
 th button { font: inherit; font-weight: 600; color: inherit; background: none; border: 0; padding: 6px 9px; width: 100%; text-align: inherit; vertical-align: bottom; white-space: normal; cursor: pointer; }
 th[aria-sort=ascending] button::after { content: " \25B2"; }
 th[aria-sort=descending] button::after { content: " \25BC"; }
-.n { text-align: right; font-variant-numeric: tabular-nums; }
 td.cause { white-space: pre-wrap; min-width: 220px; overflow-wrap: anywhere; }
-.bad { color: var(--bad); font-weight: 600; }
-a { color: var(--accent); }
-</style>
-</head>
-<body>
-<h1>millpose batch</h1>
 )html";
 
 constexpr const char* kTail = R"html(</tbody>
@@ -180,7 +157,7 @@ std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobO
     return std::ranges::count_if(outcomes,
                                  [&](const JobOutcome& o) { return o.status >= lower && o.status <= upper; });
   };
-  std::string html = kHead;
+  std::string html = TablePageHead("millpose batch", kStyle) + "<h1>millpose batch</h1>\n";
   html += fmt::format(
       "<p>{} jobs: {} done, {} with findings, {} failed. A column's head sorts by it. The same figures: "
       "<a href=\"batch.csv\">batch.csv</a>, with the run's times <a "

@@ -9,6 +9,7 @@
 #include "base/text.hpp"
 #include "machine/robot/make_pose.hpp"
 #include "report/page/escaped.hpp"
+#include "report/page/table_page.hpp"
 #include "run/placement/place_tables.hpp"
 
 namespace millpose {
@@ -18,27 +19,13 @@ namespace bg = boost::geometry;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr const char* kHead = R"html(<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}</title>
-<style>
-:root { color-scheme: light dark; --ink: #27313b; --muted: #5b6773; --line: #dfe4e9; --card: #fff; --ground: #eef1f4; --accent: #2b5fa8; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e4e8ec; --muted: #a3adb7; --line: #3a434c; --card: #1f262d; --ground: #161b20; --accent: #8ab4f0; } }
-@media print { :root { color-scheme: light; --ink: #000; --muted: #333; --line: #999; --card: #fff; --ground: #fff; --accent: #000; } }
-* { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 1200px; padding: 14px 18px 20px; background: var(--ground); color: var(--ink); font: 13px/1.45 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; }
-h1 { font-size: 19px; margin: 0 0 8px; }
-h2 { font-size: 14px; margin: 0 0 6px; }
+constexpr const char* kStyle = R"html(body { margin: 0 auto; max-width: 1200px; }
 section { background: var(--card); border: 1px solid var(--line); border-radius: 5px; padding: 10px 12px; margin-bottom: 10px; break-inside: avoid; }
-.scroll { overflow-x: auto; }
+.scroll { border: 0; margin: 0; }
 @media print { .scroll { overflow: visible; } }
 .two { display: flex; flex-wrap: wrap; gap: 10px; align-items: flex-start; }
 .two section { flex: 1 1 340px; min-width: 0; }
-table { border-collapse: collapse; width: 100%; }
-th, td { padding: 4px 8px; border-bottom: 1px solid var(--line); text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+th, td { padding: 4px 8px; text-align: right; font-variant-numeric: tabular-nums; }
 th:first-child, td:first-child { text-align: left; }
 tr.best td { font-weight: 600; }
 svg { display: block; width: 100%; height: auto; }
@@ -46,9 +33,6 @@ svg text { fill: var(--ink); }
 .legend { display: flex; flex-wrap: wrap; gap: 4px 14px; color: var(--muted); margin-top: 6px; }
 .legend i { display: inline-block; width: 12px; height: 12px; margin-right: 5px; vertical-align: -2px; border: 1px solid var(--line); }
 p { margin: 0 0 6px; color: var(--muted); }
-</style>
-</head>
-<body>
 )html";
 
 /// What a place that cannot be is drawn in; each differs from the others in brightness too.
@@ -283,12 +267,11 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
 }  // namespace
 
 std::string PlacementPage(const FoundPlaces& placement) {
-  std::string head = kHead;
-  head.replace(head.find("{title}"), 7, Escaped(placement.job) + ": places");
   const size_t u = placement.map_coordinates[0], v = placement.map_coordinates[1];
   const bool lengths = u < 3 && v < 3 && u != v;
   const int across = lengths ? static_cast<int>(u) : 0, up = lengths ? static_cast<int>(v) : 1;
-  std::string text = head + fmt::format("<h1>{}: where it may be placed</h1>", Escaped(placement.job));
+  std::string text = TablePageHead(placement.job + ": places", kStyle) +
+                     fmt::format("<h1>{}: where it may be placed</h1>", Escaped(placement.job));
   const bool none = placement.recommended == 0 && !placement.split;
   text += fmt::format(
       "<section><h2>Planned completely</h2><p>÷: compared with the job's own place, "

@@ -11,6 +11,7 @@
 #include "program/post_entry.hpp"
 #include "program/scanner.hpp"
 #include "report/page/escaped.hpp"
+#include "report/page/table_page.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -28,35 +29,13 @@ std::vector<ToldOperation> Told(const std::vector<DoneOperation>& operations) {
   return {operations.begin(), operations.end()};
 }
 
-constexpr const char* kHead = R"html(<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}</title>
-<style>
-:root { color-scheme: light dark; --ink: #27313b; --muted: #5b6773; --line: #dfe4e9; --card: #fff; --ground: #eef1f4; --accent: #2b5fa8; --bad: #b3261e; }
-@media (prefers-color-scheme: dark) {
-  :root { --ink: #e4e8ec; --muted: #a3adb7; --line: #3a434c; --card: #1f262d; --ground: #161b20; --accent: #8ab4f0; --bad: #ff9d94; }
-}
-* { box-sizing: border-box; }
-body { margin: 0; padding: 14px 18px 20px; min-height: 100vh; display: flex; flex-direction: column; background: var(--ground); color: var(--ink); font: 13px/1.45 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; }
-h1 { font-size: 19px; margin: 0 0 8px; }
-.scroll { overflow-x: auto; background: var(--card); border: 1px solid var(--line); border-radius: 5px; margin-bottom: 10px; }
-table { border-collapse: collapse; width: 100%; }
-th, td { padding: 5px 9px; border-bottom: 1px solid var(--line); text-align: left; white-space: nowrap; }
-.n { text-align: right; font-variant-numeric: tabular-nums; }
-.bad { color: var(--bad); font-weight: 600; }
+constexpr const char* kStyle = R"html(body { min-height: 100vh; display: flex; flex-direction: column; }
 ul { margin: 0 0 10px; padding-left: 18px; }
 [role=tablist] { display: flex; flex-wrap: wrap; gap: 4px; }
 [role=tab] { font: inherit; color: var(--ink); background: var(--card); border: 1px solid var(--line); border-bottom: 0; border-radius: 5px 5px 0 0; padding: 6px 12px; cursor: pointer; }
 [role=tab][aria-selected=true] { color: var(--accent); font-weight: 600; box-shadow: inset 0 3px var(--accent); }
 iframe { flex: 1; width: 100%; min-height: 720px; border: 1px solid var(--line); background: var(--card); }
-a { color: var(--accent); }
-@media print { :root { color-scheme: light; --ink: #000; --muted: #333; --line: #999; --card: #fff; --ground: #fff; --accent: #000; --bad: #000; } iframe, [role=tablist] { display: none; } .scroll { overflow: visible; } th, td { white-space: normal; padding: 3px 5px; font-size: 11px; } }
-</style>
-</head>
-<body>
+@media print { iframe, [role=tablist] { display: none; } .scroll { overflow: visible; } th, td { white-space: normal; padding: 3px 5px; font-size: 11px; } }
 )html";
 
 constexpr const char* kTail = R"html(<script>
@@ -232,10 +211,7 @@ std::string WholePoints(const std::vector<DoneOperation>& all) {
 std::string WholeReport(const std::string& job, const std::vector<DoneOperation>& all,
                         const std::vector<WholeProgram>& programs) {
   const std::vector<ToldOperation> operations = Told(all);
-  std::string head = kHead;
-  constexpr std::string_view kTitle = "{title}";
-  head.replace(head.find(kTitle), kTitle.size(), Escaped(job) + " &mdash; millpose");
-  std::string html = head + "<h1>" + Escaped(job) +
+  std::string html = TablePageHead(job + " — millpose", kStyle) + "<h1>" + Escaped(job) +
                      "</h1>\n<div class=\"scroll\"><table>\n<thead><tr>"
                      "<th>operation</th><th>tool</th><th class=\"n\">points</th><th class=\"n\">planned</th>"
                      "<th>objective</th><th class=\"n\">worst</th><th class=\"n\">least distance, mm</th>";

@@ -41,7 +41,7 @@ Promise PromiseOf(const PoseProblem& problem, const Pass& pass, const std::vecto
 }
 
 /// Both ends of the cut and every fourth point from either: the same ones whichever way the pass is run.
-std::vector<char> SampleOf(const Pass& pass) {
+std::vector<char> EverySome(const Pass& pass) {
   std::vector<size_t> cut;
   for (size_t t = 0; t < pass.points.size(); ++t)
     if (pass.points[t].kind == PointKind::kCut) cut.push_back(t);
@@ -69,7 +69,7 @@ class WayFinder {
     for (size_t i = 0; i < Count(); ++i) {
       const Pass& pass = ways_.turned.passes[i];
       const bool may = pass.reversible && wanted[i] != 0 && !prepared_.external[i].Moves();
-      asked[i] = may ? SampleOf(pass) : std::vector<char>(pass.points.size());
+      asked[i] = may ? EverySome(pass) : std::vector<char>(pass.points.size());
     }
     SetEngagementAt(asked);
     Each([&](size_t i) { ways_.promising[i] = IsPromising(i, asked[i]) ? 1 : 0; });

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The shell of pages that are tables and text: the index of a batch, operations, places, what two plans
+// differ in.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace millpose {
+
+/// From <!DOCTYPE> to <body>: colours of light, dark and print, and how text and tables look; `style` is the
+/// page's own, after that. The title is text.
+std::string TablePageHead(std::string_view title, std::string_view style);
+
+}  // namespace millpose
