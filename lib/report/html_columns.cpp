@@ -183,9 +183,19 @@ void AddDeflection(const PlanResult& plan, const DeflectionReport& report,
              [](const DeflectedPoint& point) { return point.engagement.depth; });
 }
 
-/// What compensation takes out of the deflection along the normal, and what remains.
+/// What compensation takes out of the deflection along the normal, and what remains; where the arm as it is
+/// is commanded, by how much beside the plan.
 void AddCompensation(const PlanResult& plan, Collector& c) {
-  if (!FiguresOfCompensation(plan)) return;
+  const std::optional<CompensationFigures> figures = FiguresOfCompensation(plan);
+  if (!figures) return;
+  if (figures->largest_arm_shift > 0)
+    c.Add("arm_shift", "commanded", "Commanded tip from the planned one, for the deviations of the arm", "mm",
+          Worse::kNeither, [](const PassResult& pass, size_t i) -> Value {
+            const auto& compensation = pass.points[i].compensation;
+            if (!compensation) return std::nullopt;
+            return compensation->arm_shift.norm();
+          });
+  if (!figures->shifts) return;
   const auto along = [&](std::string key, std::string symbol, std::string label, Worse worse,
                          double (*value)(const Compensation::Along&)) {
     c.Add(std::move(key), std::move(symbol), std::move(label), "µm", worse,

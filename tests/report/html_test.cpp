@@ -245,7 +245,8 @@ TEST(ReportHtml, EveryChartFindsItsColumns) {
   HtmlInput input = SmallPanel().Input();
   input.deflection = &report;
   PlanResult compensated = input.plan;
-  compensated.passes.front().points.front().compensation.emplace();
+  Compensation& compensation = compensated.passes.front().points.front().compensation.emplace();
+  compensation.force = compensation.arm_shift = Eigen::Vector3d::UnitX();
   LostMotionReport lost = ReportLostMotion(compensated, {}, "", 0);
   lost.model.known.fill(true);
   HtmlInput shown{compensated, input.cell, input.grid, input.curves, input.settings, input.deflection};
@@ -261,8 +262,8 @@ TEST(ReportHtml, EveryChartFindsItsColumns) {
     for (std::sregex_iterator key(list.begin(), list.end(), kKey); key != none; ++key, ++keys)
       EXPECT_TRUE(known.contains((*key)[1])) << (*key)[1];
   }
-  EXPECT_EQ(charts, 12u);
-  EXPECT_EQ(keys, 23u);
+  EXPECT_EQ(charts, 13u);
+  EXPECT_EQ(keys, 24u);
 }
 
 TEST(ReportHtml, ColumnsHoldThePlanInTheirUnits) {
