@@ -69,8 +69,8 @@ std::vector<Line> LinesOf(const PlanResult& plan) {
 }
 
 /// What is in the way of a line along which the external axes move; empty when nothing.
-std::string WhyNotAlong(const Stations& stations, const PlanResult& plan, const Line& line,
-                        double resolution) {
+std::string WhyNotAlong(const Stations& stations, const PlanResult& plan, const Line& line, double resolution,
+                        double reserve) {
   const auto ride = std::make_shared<const CoordinatedMotion>(CoordinatedMotion{
       Mechanism(plan.external_axes), plan.X_WB, plan.X_WP, line.external, line.external_to});
   const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT, ride};
@@ -82,24 +82,24 @@ std::string WhyNotAlong(const Stations& stations, const PlanResult& plan, const 
     way.joints.emplace_back(static_cast<double>(i) / static_cast<double>(motion.joints.size() - 1),
                             motion.joints[i]);
   const std::optional<Interference> found =
-      FindOnCoordinatedMotion(stations.world(), way, {line.share, 0, resolution});
+      FindOnCoordinatedMotion(stations.world(), way, {line.share, reserve, resolution});
   return found ? NearText(*found) : std::string();
 }
 
 }  // namespace
 
-std::vector<BlockedPiece> BlockedWhereCommanded(const Stations& stations, double resolution,
+std::vector<BlockedPiece> BlockedWhereCommanded(const Stations& stations, double resolution, double reserve,
                                                 const Execution& execution, const PlanResult& plan) {
   const std::vector<Line> lines = LinesOf(plan);
   std::vector<std::string> found(lines.size());
   ParallelFor(lines.size(), execution.Threads(), execution.stop, [&](size_t i) {
     if (lines[i].external != lines[i].external_to) {
-      found[i] = WhyNotAlong(stations, plan, lines[i], resolution);
+      found[i] = WhyNotAlong(stations, plan, lines[i], resolution, reserve);
       return;
     }
     const Station& station = stations.At(lines[i].external);
     const Carrier carrier{plan.arm, station.problem.X_WB, plan.X_FT};
-    Checker checker(station.world, lines[i].share);
+    Checker checker(station.world, lines[i].share, reserve);
     if (const auto problem = CheckCut(checker, carrier, lines[i].from,
                                       NearestEquivalent(lines[i].from, lines[i].to), resolution))
       found[i] = Describe(checker, *problem);
@@ -114,8 +114,9 @@ std::vector<BlockedPiece> BlockedWhereCommanded(const Stations& stations, double
 
 std::vector<std::string> KeepCommandedFree(const Stations& stations, const CompensationOptions& options,
                                            double resolution, const Execution& execution, PlanResult& plan) {
+  const double reserve = options.deviations ? resolution : 0;
   std::vector<std::string> findings;
-  for (const BlockedPiece& blocked : BlockedWhereCommanded(stations, resolution, execution, plan)) {
+  for (const BlockedPiece& blocked : BlockedWhereCommanded(stations, resolution, reserve, execution, plan)) {
     const PassResult& pass = plan.passes[blocked.pass];
     const Segment& piece = pass.pieces[blocked.piece];
     LeaveNominal(options, blocked.pass, piece, plan);

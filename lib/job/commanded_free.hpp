@@ -18,9 +18,12 @@ struct BlockedPiece {
 };
 
 /// Checks the straight motions between a plan's commanded poses, and those to and from the retracts, for
-/// interference as cuts are checked: the first of each piece that is not free. Throws Interrupted.
+/// interference as cuts are checked: the first of each piece that is not free. By `reserve` (mm) they may
+/// fall short of the clearances, as in verification: the arm as it is stands beside the one that poses were
+/// chosen with. Throws Interrupted.
 std::vector<BlockedPiece> BlockedWhereCommanded(const Stations& stations, double swept_resolution,
-                                                const Execution& execution, const PlanResult& plan);
+                                                double reserve, const Execution& execution,
+                                                const PlanResult& plan);
 
 /// The same; a piece in which one is not free runs without its shifts (LeaveNominal); what was in the way is
 /// returned, one sentence a piece.

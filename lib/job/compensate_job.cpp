@@ -151,8 +151,8 @@ size_t CommandForTheArm(const JobInputs& inputs, PlanResult& plan) {
 size_t LeaveOutBlocked(const JobInputs& inputs, const Stations& as_it_is, const Execution& execution,
                        PlanResult& plan) {
   if (!inputs.job.compensation.deviations) return 0;
-  std::vector<BlockedPiece> blocked =
-      BlockedWhereCommanded(as_it_is, inputs.job.swept_resolution, execution, plan);
+  std::vector<BlockedPiece> blocked = BlockedWhereCommanded(as_it_is, inputs.job.swept_resolution,
+                                                            inputs.job.swept_resolution, execution, plan);
   for (BlockedPiece& piece : blocked) piece.why = "where the arm as it is is commanded, " + piece.why;
   return LeaveOutPieces(blocked, Infeasibility::kInterference, plan);
 }
