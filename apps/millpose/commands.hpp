@@ -53,15 +53,16 @@ void AddManCommand(CLI::App& app, Run& run);
 void AddPlaceCommand(CLI::App& app, Run& run);
 void AddPlanCommand(CLI::App& app, Run& run);
 void AddRegisterCommand(CLI::App& app, Run& run);
+void AddReportCommand(CLI::App& app, Run& run);
 void AddSchemaCommand(CLI::App& app, Run& run);
 void AddStiffnessCommand(CLI::App& app, Run& run);
 void AddVerifyCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddInitCommand,     AddPlaceCommand,     AddPlanCommand,       AddVerifyCommand,   AddBatchCommand,
-    AddCheckCommand,    AddInspectCommand,   AddDiffCommand,       AddFaceCommand,     AddStiffnessCommand,
-    AddIdentifyCommand, AddCalibrateCommand, AddFlatnessCommand,   AddRegisterCommand, AddCleanCommand,
-    AddSchemaCommand,   AddManCommand,       AddCompletionCommand,
+    AddInitCommand,     AddPlaceCommand,     AddPlanCommand,     AddVerifyCommand,     AddBatchCommand,
+    AddCheckCommand,    AddInspectCommand,   AddDiffCommand,     AddFaceCommand,       AddStiffnessCommand,
+    AddIdentifyCommand, AddCalibrateCommand, AddFlatnessCommand, AddRegisterCommand,   AddReportCommand,
+    AddCleanCommand,    AddSchemaCommand,    AddManCommand,      AddCompletionCommand,
 };
 
 }  // namespace millpose

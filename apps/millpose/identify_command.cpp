@@ -375,7 +375,8 @@ void AddIdentifyCommand(CLI::App& app, Run& run) {
       "arcmin, from readings taken both ways (docs/lost-motion.md), or with --geometry the arm's deviations "
       "from its\n"
       "sheet, mm and mrad, from a tracker's readings (docs/geometry-identification.md).\n"
-      "Exit status 1: some joint could not be determined, or a finding on readings, stiffness or residual.");
+      "Exit status 1: some joint could not be determined, or a finding on readings, stiffness, geometry or "
+      "residual.");
   static IdentifyWords options;
   command->add_option("measurements", options.file, "Measurements, YAML or CSV")->required();
   command->add_option("--cell", options.cell,
@@ -391,7 +392,8 @@ void AddIdentifyCommand(CLI::App& app, Run& run) {
   command
       ->add_option(
           "--propose", options.propose,
-          "Choose this many of the file's candidates (D-optimal); 0: the fewest that show all joints")
+          "Choose this many of the file's candidates (D-optimal; 0: the fewest that show all joints); with "
+          "--geometry further poses of the arm (1 or more)")
       ->check(CLI::Range(0, 1000));
   command->add_option("--write-cell", options.write_cell,
                       "Put the result into this cell file, keeping its comments");
@@ -409,10 +411,10 @@ void AddIdentifyCommand(CLI::App& app, Run& run) {
   with(command
            ->add_option("--shift-prior-mm", geometry.shift_prior,
                         "How far an arm's frames are from its sheet, standard deviation")
-           ->check(CLI::Range(1e-3, 100.0))
+           ->check(CLI::Range(1e-3, 10.0))
            ->capture_default_str());
   with(command->add_option("--turn-prior-mrad", geometry.turn_prior, "Likewise how much they are turned")
-           ->check(CLI::Range(1e-3, 1000.0))
+           ->check(CLI::Range(1e-3, 20.0))
            ->capture_default_str());
   with(command->add_flag("--weight", geometry.weight,
                          "The arm sags by its weight, as stiffness.gravity of the cell says"));

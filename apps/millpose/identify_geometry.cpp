@@ -89,7 +89,9 @@ std::vector<Joints> Propose(GeometryFit fit, const Cell& cell, int count) {
     Joints q;
     for (int j = 0; j < 6; ++j)
       q[j] = random.Uniform(std::max(cell.arm.lower[j], -kPi), std::min(cell.arm.upper[j], kPi));
-    if (!checker.Blocked(q, Phase::kFree)) candidates.push_back(q);
+    const bool apart = std::ranges::none_of(cell.arm.coupled_limits,
+                                            [&](const CoupledLimit& limit) { return limit.Beyond(q) > 0; });
+    if (apart && !checker.Blocked(q, Phase::kFree)) candidates.push_back(q);
   }
   for (int i = 0; i < count && !candidates.empty(); ++i) {
     size_t best = 0;
@@ -108,52 +110,69 @@ double Readable(size_t component, double value) { return component < 3 ? value :
 
 /// To a tenth of its standard deviation: what lies below, no reading has said.
 double Rounded(double value, double deviation) {
-  double step = 1;
-  while (step > 0.1 * deviation) step /= 10;
-  while (step * 10 <= 0.1 * deviation) step *= 10;
-  return std::round(value / step) * step;
+  int decimals = 0;
+  for (double step = 1; step > 0.1 * deviation && decimals < 9; step /= 10) ++decimals;
+  return std::stod(fmt::format("{:.{}f}", value, decimals)) + 0.0;  // no -0
 }
 
-std::string DeviationsYaml(const GeometryFit& fit, const GeometryWords& words) {
-  std::array<std::string, 2> rows;
-  for (size_t frame = 0; frame < 7; ++frame)
-    for (size_t part = 0; part < 2; ++part) {
-      std::vector<std::string> numbers;
-      for (size_t axis = 0; axis < 3; ++axis) {
-        const size_t component = 3 * part + axis;
-        if (frame == 0 || frame == 6) {
-          numbers.emplace_back("0");
-          continue;
-        }
-        const DeviationEstimate one = fit.Estimate(frame, component);
-        numbers.push_back(fmt::format(
-            "{:.6g}", Rounded(Readable(component, one.value), Readable(component, one.deviation)) + 0.0));
-      }
-      rows[part] += fmt::format("{}[{}]", frame > 0 ? ", " : "", fmt::join(numbers, ", "));
+/// The 95 % interval of what is left along one direction, mm.
+double UncertaintyOf(const GeometryFit& fit) { return kWithin95 * fit.left_out() / std::sqrt(3.0); }
+
+DeviationSettings DeviationsOf(const GeometryFit& fit, const GeometryWords& words) {
+  DeviationSettings found;
+  found.shifts.assign(7, Eigen::Vector3d::Zero());
+  found.turns.assign(7, Eigen::Vector3d::Zero());
+  for (size_t frame = 1; frame < 6; ++frame)
+    for (size_t component = 0; component < 6; ++component) {
+      const DeviationEstimate one = fit.Estimate(frame, component);
+      const double rounded = Rounded(Readable(component, one.value), Readable(component, one.deviation));
+      const auto axis = static_cast<Eigen::Index>(component % 3);
+      (component < 3 ? found.shifts : found.turns)[frame][axis] = component < 3 ? rounded : 1e-3 * rounded;
     }
+  found.uncertainty = std::stod(fmt::format("{:.2g}", UncertaintyOf(fit)));
   std::vector<std::string> names;
   for (const std::string& file : words.files)
     names.push_back(std::filesystem::path(file).filename().string());
-  return fmt::format(
-      "{{shifts_mm: [{}], turns_mrad: [{}], uncertainty_mm: {:.2g}, source: \"millpose identify --geometry "
-      "{}, {} readings, {:.3g} "
-      "mm RMS "
-      "left out\", date: {}}}",
-      rows[0], rows[1], kWithin95 * fit.left_out() / std::sqrt(3.0), fmt::join(names, " "), fit.readings(),
-      fit.left_out(), words.date);
+  found.source = fmt::format("millpose identify --geometry {}, {} readings, {:.3g} mm RMS left out",
+                             fmt::join(names, " "), fit.readings(), fit.left_out());
+  found.date = words.date;
+  return found;
 }
 
 void WriteCell(const GeometryFit& fit, const ArmSettings& arm, const GeometryWords& words) {
   const std::string serial = words.serial.empty() ? arm.serial : words.serial;
-  const std::string deviations = DeviationsYaml(fit, words);
   EditLooseFile(words.write_cell, [&](const std::string& text) {
-    return ReplaceDeviations(text, words.write_cell, deviations, serial);
+    return ReplaceDeviations(text, words.write_cell, DeviationsOf(fit, words), serial);
   });
   std::fputs(fmt::format("millpose: {} updated\n", words.write_cell).c_str(), stderr);
 }
 
-Tree ToJson(const GeometryFit& nominal, const GeometryFit& fit, const std::vector<Judged>& judged,
-            const std::vector<Joints>& proposed, const GeometryWords& words) {
+/// What no arm of this sheet can be: readings of another arm, in another unit, of other joints.
+std::vector<std::string> FindingsOf(const GeometryFit& fit) {
+  constexpr double kMostLeftOut = 2, kMostPriors = 4;  // mm; an arm's own geometry leaves tenths
+  std::vector<std::string> findings;
+  if (fit.left_out() > kMostLeftOut)
+    findings.push_back(
+        fmt::format("readings are foretold by the others to {:.3g} mm RMS; an arm's geometry leaves "
+                    "at most {:.3g} mm: another arm, unit, order of joints or a tracker that moved",
+                    fit.left_out(), kMostLeftOut));
+  for (size_t frame = 1; frame < 6; ++frame)
+    for (size_t component = 0; component < 6; ++component) {
+      const DeviationEstimate one = fit.Estimate(frame, component);
+      if (std::abs(one.value) <= kMostPriors * one.prior) continue;
+      findings.push_back(
+          fmt::format("frame {}, {}: {:.4g} {}, more than {} times the sheet's own deviation ({:.4g}): the "
+                      "cell's lengths, "
+                      "signs or zeros are not this arm's, or the prior is too narrow",
+                      frame, kComponents[component], Readable(component, one.value),
+                      component < 3 ? "mm" : "mrad", kMostPriors, Readable(component, one.prior)));
+    }
+  return findings;
+}
+
+Tree ToJson(const GeometryFit& nominal, const GeometryFit& fit, const std::vector<std::string>& findings,
+            const std::vector<Judged>& judged, const std::vector<Joints>& proposed,
+            const GeometryWords& words) {
   Tree deviations = Tree::array(), sets = Tree::array(), foretold = Tree::array(), poses = Tree::array();
   for (size_t frame = 1; frame < 6; ++frame)
     for (size_t component = 0; component < 6; ++component) {
@@ -191,7 +210,8 @@ Tree ToJson(const GeometryFit& nominal, const GeometryFit& fit, const std::vecto
           {"deviations", deviations},
           {"sets", sets},
           {"foretold", foretold},
-          {"proposed_deg", poses}};
+          {"proposed_deg", poses},
+          {"findings", findings}};
 }
 
 void Print(const GeometryFit& nominal, const GeometryFit& fit, const std::vector<Judged>& judged,
@@ -233,6 +253,8 @@ void Print(const GeometryFit& nominal, const GeometryFit& fit, const std::vector
 int IdentifyGeometry(const GeometryWords& words) {
   std::map<std::string, std::string> meshes;
   if (words.cell.empty()) throw InputError(SourceLocation{}, "--cell: missing; needed with --geometry");
+  if (words.propose == 0)
+    throw InputError(SourceLocation{}, "--propose: given 0; allowed with --geometry: 1 to 1000");
   const CellSettings cell = LoadCell(words.cell, &meshes);
   if (!words.write_cell.empty()) {
     std::error_code missing;  // is no other cell's name
@@ -274,12 +296,17 @@ int IdentifyGeometry(const GeometryWords& words) {
   for (const std::string& file : words.foretell) judged.push_back(JudgeBy(fit, file));
   std::vector<Joints> proposed;
   if (words.propose > 0) proposed = Propose(fit, MakeCell(cell, meshes), words.propose);
+  const std::vector<std::string> findings = FindingsOf(fit);
+  if (!words.write_cell.empty() && findings.empty()) WriteCell(fit, cell.arm, words);
   if (words.json)
-    fmt::print("{}\n", ToJson(nominal, fit, judged, proposed, words).dump(2));
+    fmt::print("{}\n", ToJson(nominal, fit, findings, judged, proposed, words).dump(2));
   else
     Print(nominal, fit, judged, proposed, words);
-  if (!words.write_cell.empty()) WriteCell(fit, cell.arm, words);
-  return kDone;
+  if (!words.json)
+    for (const std::string& finding : findings) fmt::print("finding    {}\n", finding);
+  if (!words.write_cell.empty() && !findings.empty())
+    fmt::print(stderr, "millpose: {} is unchanged: the readings are not plausible\n", words.write_cell);
+  return findings.empty() ? kDone : kFindings;
 }
 
 }  // namespace millpose

@@ -7,6 +7,9 @@
 
 namespace millpose {
 
+/// 0 to 9.
+inline bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
 /// The shortest decimal text that reads back as the same double.
 std::string ShortestNumber(double value);
 

@@ -7,6 +7,7 @@
 #include "job/config/job_settings.hpp"
 #include "job/inputs.hpp"
 #include "machine/collision/cell.hpp"
+#include "machine/robot/deviations.hpp"
 #include "machine/stiffness/series.hpp"
 #include "planning/links/link_move_planner.hpp"
 #include "planning/pass/fixed_rotation.hpp"
@@ -21,6 +22,9 @@
 namespace millpose {
 
 Arm MakeArm(const ArmSettings& settings);
+
+/// As the cell states them; frames 0 (base) to 6 (flange).
+ArmDeviations MakeDeviations(const DeviationSettings& settings);
 
 /// Compliances beside the joints.
 std::vector<SeriesCompliance> MakeCompliances(const CellSettings& settings);

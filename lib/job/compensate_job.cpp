@@ -5,7 +5,6 @@
 #include "base/trig.hpp"
 #include "job/assemble.hpp"
 #include "job/commanded_free.hpp"
-#include "job/geometry_error.hpp"
 #include "job/job_engagement.hpp"
 #include "job/measured_forces.hpp"
 #include "job/measured_map.hpp"

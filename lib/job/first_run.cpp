@@ -5,12 +5,17 @@
 
 namespace millpose {
 
+std::vector<std::pair<std::string, std::string>> FirstRunSteps(const JobInputs& inputs,
+                                                               const std::string& controller) {
+  return inputs.cell.controllers.at(controller)
+      .post->BeforeFirstRun(MakePostSettings(inputs.job, inputs.cell, controller));
+}
+
 std::string FirstRunText(const JobInputs& inputs) {
   std::string text;
   for (const std::string& controller : inputs.job.programs) {
-    const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
     text += fmt::format("{}, before a first run (docs/{}.md):\n", controller, controller);
-    for (const auto& [what, how] : inputs.cell.controllers.at(controller).post->BeforeFirstRun(settings))
+    for (const auto& [what, how] : FirstRunSteps(inputs, controller))
       text += fmt::format("  [ ] {}: {}\n", what, how);
   }
   return text;

@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job/geometry_error.hpp"
 
+#include "job/assemble.hpp"
 #include "planning/face/arm_geometry.hpp"
 
 namespace millpose {
-
-ArmDeviations MakeDeviations(const DeviationSettings& settings) {
-  ArmDeviations deviations;
-  for (size_t i = 0; i < deviations.shift.size(); ++i) {
-    deviations.shift[i] = settings.shifts[i];
-    deviations.turn[i] = settings.turns[i];
-  }
-  return deviations;
-}
 
 std::optional<GeometryFigures> ErrorOfGeometry(const ArmSettings& arm, const PlanResult& plan,
                                                int finished_from) {

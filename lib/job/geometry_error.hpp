@@ -2,13 +2,10 @@
 #pragma once
 
 #include "job/config/cell_settings.hpp"
-#include "machine/robot/deviations.hpp"
 #include "planning/result/plan_result.hpp"
 #include "report/geometry.hpp"
 
 namespace millpose {
-
-ArmDeviations MakeDeviations(const DeviationSettings& settings);
 
 /// What `arm.deviations` do to the cut points of passes from `finished_from` on, run from the nominal angles;
 /// none where the arm has none or nothing is cut. The frame measured with the arm takes out the shift and

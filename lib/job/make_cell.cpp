@@ -108,6 +108,15 @@ Arm MakeArm(const ArmSettings& settings) {
   return arm;
 }
 
+ArmDeviations MakeDeviations(const DeviationSettings& settings) {
+  ArmDeviations deviations;
+  for (size_t i = 0; i < deviations.shift.size(); ++i) {
+    deviations.shift[i] = settings.shifts[i];
+    deviations.turn[i] = settings.turns[i];
+  }
+  return deviations;
+}
+
 Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::string>& body_bytes) {
   Cell cell;
   cell.name = settings.name;

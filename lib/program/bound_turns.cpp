@@ -29,7 +29,7 @@ int PartsOf(const Pose& from, const Pose& to, const TurnBound& bound) {
 }
 
 /// The points that divide motion `i`; none where the arm does not reach one of them.
-std::vector<Motion> Between(const MotionProgram& program, size_t i, int parts, const Arm& arm) {
+std::vector<Motion> MotionsBetween(const MotionProgram& program, size_t i, int parts, const Arm& arm) {
   std::vector<Motion> points;
   const Motion &from = program.motions[i - 1], &to = program.motions[i];
   const PoseLine line(from.X_PT, to.X_PT);
@@ -65,7 +65,7 @@ int BoundTurns(MotionProgram& written, std::vector<size_t>& origin, const Arm& a
     if (single) {
       const Motion& from = written.motions[i - 1];
       const int parts = PartsOf(from.X_PT, motion.X_PT, bound);
-      for (Motion& point : Between(written, i, parts, arm)) {
+      for (Motion& point : MotionsBetween(written, i, parts, arm)) {
         motions.push_back(std::move(point));
         origins.push_back(origin[i]);
         ++inserted;

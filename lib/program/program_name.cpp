@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "base/hash.hpp"
+#include "base/text.hpp"
 
 namespace millpose {
 namespace {
@@ -14,7 +15,6 @@ constexpr size_t kLetters = 2;  // that SINUMERIK wants in front
 constexpr size_t kLongestToolName = 32;
 
 bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 /// Letters, digits and '_' alone, `letters` letters in front; as long as it is.
 std::string Legal(const std::string& text, size_t letters) {

@@ -35,8 +35,6 @@ std::string Normalised(std::string_view text, bool blanks = true) {
   return result;
 }
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-
 /// Numbers of an upper-case text without zeros in front of others: M03 is M3, L-0 is L0.
 std::string WithoutZeros(const std::string& text) {
   std::string result;

@@ -141,6 +141,20 @@ void AddMotion(const PlanResult& plan, Collector& c) {
   }
 }
 
+/// Where the external axes stand, under their own names.
+void AddExternal(const PlanResult& plan, Collector& c) {
+  for (size_t k = 0; k < plan.external_axes.size(); ++k) {
+    const ExternalAxis& axis = plan.external_axes[k];
+    const bool linear = axis.kind == AxisKind::kLinear;
+    c.Add(fmt::format("e{}", k + 1), axis.name, "External axis " + axis.name, linear ? "mm" : "°",
+          Worse::kNeither, [=](const PassResult& pass, size_t i) -> Value {
+            const ExternalPosition& at = pass.points[i].external.value_or(pass.external);
+            if (at.size() <= k) return std::nullopt;
+            return linear ? at[k] : RadToDeg(at[k]);
+          });
+  }
+}
+
 /// Predicted deflections of the planned cut points, µm.
 void AddDeflection(const PlanResult& plan, const DeflectionReport& report,
                    std::vector<ReportColumn>& columns) {
@@ -279,6 +293,7 @@ std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const Deflection
   Collector collector(plan);
   AddStiffness(plan, collector);
   AddMotion(plan, collector);
+  AddExternal(plan, collector);
   AddCompensation(plan, collector);
   std::vector<ReportColumn> columns = collector.Take();
   if (deflection) AddDeflection(plan, *deflection, columns);

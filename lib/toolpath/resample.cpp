@@ -7,7 +7,7 @@ namespace millpose {
 namespace {
 
 // mm: of what differs by less the first is taken, so that rounding far from the origin decides nothing.
-constexpr double kTie = 1e-7;
+constexpr double kFarTie = 1e-7;
 
 struct DensePoint {
   CurvePoint at;
@@ -50,7 +50,7 @@ void MarkCorners(const std::vector<DensePoint>& dense, size_t first, size_t last
     for (size_t i = begin + 1; i < end; ++i) {
       const Eigen::Vector3d& p = dense[i].position;
       const double distance = (a + ClosestOnSegment(p, a, b) * (b - a) - p).norm();
-      if (distance > worst + kTie) {
+      if (distance > worst + kFarTie) {
         worst = distance;
         corner = i;
       }
@@ -82,7 +82,7 @@ std::vector<CurvePoint> Resample(const Curve& curve, double chord_tolerance, dou
     size_t far = 0;
     for (size_t i = 0; i < dense.size(); ++i)
       if ((dense[i].position - dense[0].position).norm() >
-          (dense[far].position - dense[0].position).norm() + kTie)
+          (dense[far].position - dense[0].position).norm() + kFarTie)
         far = i;
     key[far] = 1;
     MarkCorners(dense, 0, far, chord_tolerance / 2, key);

@@ -422,12 +422,32 @@ class Geometry(Answers):
             self.assertGreaterEqual(sum(inside), len(inside) - 1)
             after = read(cell)
             self.assertIn('serial: "882134"', after)
-            self.assertIn("date: 2026-11-26", after)
+            self.assertIn('date: "2026-11-26"', after)
             self.assertEqual([line for line in after.splitlines() if "deviations:" not in line and "serial:" not in line], before.splitlines())
             self.assertEqual(run("check", cell).returncode, run("check", self.CELL).returncode)
             # The same bytes, and again from what was written: the prior is the sheet, so nothing is added up.
             again = run("identify", seen, "--geometry", "--cell", cell, "--foretell", other, "--propose", 3, "--json")
             self.assertEqual(again.stdout, result.stdout)
+
+    def test_readings_of_another_arm_are_findings_and_leave_the_cell_alone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path, cell = os.path.join(folder, "seen.csv"), os.path.join(folder, "cell.yaml")
+            self.readings(path, 60, 2, 0.03, self.drawn(1))
+            for name, text in (("another arm", read(f"{TOP}/cells/kr500_r2830.yaml")), ("a longer forearm", self.longer(read(self.CELL)))):
+                write(cell, text)
+                result = run("identify", path, "--geometry", "--cell", cell, "--write-cell", cell, "--serial", "1", "--date", "2026-11-26", "--json")
+                self.assertEqual(result.returncode, 1, (name, result.stderr))
+                self.assertTrue(json.loads(result.stdout)["findings"], name)
+                self.assertIn("is unchanged", result.stderr)
+                self.assertEqual(read(cell), text)
+            self.assertIn("\nfinding    ", run("identify", path, "--geometry", "--cell", cell).stdout)
+
+    @staticmethod
+    def longer(cell):
+        """The sheet with a forearm 80 mm longer."""
+        changed, count = re.subn(r"(lengths_mm: \{[^}]*d4: )1200", r"\g<1>1280", cell)
+        assert count == 1
+        return changed
 
     def test_words_and_errors(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -441,6 +461,8 @@ class Geometry(Answers):
             for words, *arguments in (("--cell: missing", path, "--geometry"),
                                       ("--serial: missing", path, "--geometry", "--cell", cell, "--write-cell", cell),
                                       ("--date: missing", path, "--geometry", "--cell", cell, "--write-cell", cell, "--serial", "1"),
+                                      ("allowed: a date such as", path, "--geometry", "--cell", cell, "--write-cell", cell, "--serial", "1", "--date", "today"),
+                                      ("--propose: given 0", path, "--geometry", "--cell", cell, "--propose", 0),
                                       ("have no effect with it", path, "--geometry", "--cell", cell, "--robust"),
                                       ("has no stiffness.gravity", path, "--geometry", "--cell", cell, "--weight"),
                                       ("another cell than the one read", path, "--geometry", "--cell", cell, "--write-cell", self.CELL)):

@@ -279,6 +279,20 @@ class Face(Row):
                 "--csv", self.top / "face.csv")
 
 
+class Report(Row):
+    quick = 4
+    part = staticmethod(of_folder)
+
+    def prepare(self):
+        self.job = self.top / "job.yaml"
+        self.job.write_text(self.text)
+        self.millpose("plan", self.job, "-o", self.top / "out", "--threads", 1)
+        (self.top / "sheet.html").write_text("an older sheet")
+
+    def command(self):
+        return MILLPOSE, "report", self.top / "out", "--job", self.job, "--html", self.top / "sheet.html"
+
+
 class Check(Row):
     quick = 5
 
@@ -358,7 +372,7 @@ class Flatness(Row):
 
 # What every command of the program's table writes with; what it only reads with, where it writes nothing.
 WRITERS = {"plan": (Plan, PlanOfOperations, Share), "batch": (Batch, BatchOnSlurm), "place": (Place,), "init": (Init,),
-           "identify": (Identify,), "calibrate": (Calibrate,), "register": (Register,), "clean": (Clean,), "face": (Face,), "check": (Check,), "stiffness": (Map,)}
+           "identify": (Identify,), "calibrate": (Calibrate,), "register": (Register,), "clean": (Clean,), "face": (Face,), "report": (Report,), "check": (Check,), "stiffness": (Map,)}
 READERS = {"verify": reading("verify", "@out"), "inspect": reading("inspect", "@out"), "diff": reading("diff", "@out", "@out"), "flatness": Flatness,
            "schema": without_folder("schema", "job"), "man": without_folder("man"), "completion": without_folder("completion")}
 

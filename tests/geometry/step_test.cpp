@@ -30,7 +30,7 @@ std::string StepError(const std::string& bytes, const StepOptions& options) {
   return RefusalOf([&] { ReadMesh(bytes, "part.step", options); });
 }
 
-double AreaOf(const Mesh& mesh, int source) {
+double AreaOfFace(const Mesh& mesh, int source) {
   double area = 0;
   for (int f = 0; f < mesh.face_count(); ++f)
     if (source < 0 || mesh.triangles().source[f] == source)
@@ -56,7 +56,7 @@ TEST(Step, PartsInMillimetresAndInchesAreTheSame) {
     std::set<std::string> ids;
     for (size_t i = 0; i < faces.size(); ++i) {
       ids.insert(faces[i].id);
-      const double area = AreaOf(import.mesh, static_cast<int>(i));
+      const double area = AreaOfFace(import.mesh, static_cast<int>(i));
       if (faces[i].kind == "cylinder") {
         EXPECT_NEAR(faces[i].area, 2 * kPi * 15 * 20, 1e-3);
         EXPECT_LT(area, faces[i].area);

@@ -169,10 +169,11 @@ class ReportInBrowser(BrowserCase):
         self.assertNotEqual(self.browser.screenshot("#view canvas"), view)
 
     def test_many_findings_leave_the_views_on_the_first_screen(self):
-        self.assertEqual(self.js("document.querySelectorAll('#messages > .bad').length"), 6)
-        self.assertIn("3 more", self.text("#messages summary"))
-        self.assertEqual(self.js("document.querySelectorAll('#messages details .bad').length"), 3)
-        self.assertLess(self.js("document.querySelector('#view').getBoundingClientRect().top"), 450)
+        self.assertEqual(self.text("#messages summary"), "9 findings")
+        self.assertEqual(self.js("document.querySelectorAll('#messages details.finding li.bad').length"), 9)
+        self.assertFalse(self.js("document.querySelector('#messages details').open"))
+        self.assertLess(self.js("document.querySelector('#view').getBoundingClientRect().top"), 280)
+        self.assertLess(self.js("document.querySelector('#time').getBoundingClientRect().bottom"), 900)
 
     def test_index_recolours_all_views(self):
         view, label = self.browser.screenshot("#view canvas"), self.text("#scale-label")

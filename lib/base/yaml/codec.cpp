@@ -29,8 +29,6 @@ std::string Given(const Value& value) {
   return "";
 }
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-
 size_t SkipDigits(std::string_view text, size_t i) {
   while (i < text.size() && IsDigit(text[i])) ++i;
   return i;

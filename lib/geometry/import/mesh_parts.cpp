@@ -33,11 +33,6 @@ std::vector<int> Patches(const Mesh& mesh, double crease) {
   return patch;
 }
 
-double AreaOf(const Mesh& mesh, int face) {
-  const Eigen::Vector3d &a = mesh.Corner(face, 0), &b = mesh.Corner(face, 1), &c = mesh.Corner(face, 2);
-  return 0.5 * (b - a).cross(c - a).norm();
-}
-
 void DescribeFaces(const Mesh& mesh, MeshParts& parts) {
   std::vector<Eigen::Vector3d> middle(parts.faces.size(), Eigen::Vector3d::Zero());
   const auto centre = [&](int face) -> Eigen::Vector3d {

@@ -50,4 +50,10 @@ class Mesh {
   std::shared_ptr<const Impl> impl_;
 };
 
+/// Area of a face, mm².
+inline double AreaOf(const Mesh& mesh, int face) {
+  const Eigen::Vector3d& a = mesh.Corner(face, 0);
+  return (mesh.Corner(face, 1) - a).cross(mesh.Corner(face, 2) - a).norm() / 2;
+}
+
 }  // namespace millpose

@@ -30,11 +30,6 @@ Eigen::Vector3d Signed(const Eigen::Vector3d& axis) {
   return axis[largest] < 0 ? Eigen::Vector3d(-axis) : axis;
 }
 
-double AreaOf(const Mesh& mesh, int face) {
-  const Eigen::Vector3d& a = mesh.Corner(face, 0);
-  return (mesh.Corner(face, 1) - a).cross(mesh.Corner(face, 2) - a).norm() / 2;
-}
-
 Eigen::Vector3d CentreOf(const Mesh& mesh, int face) {
   return (mesh.Corner(face, 0) + mesh.Corner(face, 1) + mesh.Corner(face, 2)) / 3;
 }

@@ -91,6 +91,39 @@ bool IsDate(const std::string& text) {
   return true;
 }
 
+/// Deviations are one arm's, and a controller that has them itself must not be given them again.
+void CheckDeviations(const Value& value, const Context& context, const ArmSettings& arm) {
+  const auto *serial = value.FindKey("serial"), *deviations = value.FindKey("deviations");
+  if (deviations && !serial)
+    context.Child("serial").Add(deviations->mark, "missing; required with deviations: whose they are");
+  if (serial && !deviations)
+    context.Child("serial").Add(serial->mark, "has no effect here: deviations is missing");
+  if (deviations && arm.absolute_accuracy)
+    context.Child("deviations")
+        .Add(deviations->mark,
+             "given together with absolute_accuracy: true, a controller that knows them itself; allowed: one "
+             "of the two");
+}
+
+/// With a URDF, what it says is not said again; what it does not say must be.
+void CheckArm(const Value& value, const Context& context, ArmSettings& arm) {
+  CheckGears(value, context, arm);
+  CheckDeviations(value, context, arm);
+  if (const auto* coupled = value.FindKey("coupled_limits_deg")) arm.coupled_line = coupled->mark.line;
+  const bool table = !arm.dh.rows.empty();
+  if (arm.urdf.file.empty() && !table)
+    return CheckLengths(*value.Find("lengths_mm"), context.Child("lengths_mm"), arm);
+  if (!arm.urdf.file.empty() && table)
+    context.Child("dh").Add(value.FindKey("dh")->mark,
+                            "given together with arm.urdf; allowed: one of the two");
+  for (const char* key : {"family", "lengths_mm", "axis_signs", "zero_offsets_deg"})
+    if (const auto* given = value.FindKey(key))
+      context.Child(key).Add(given->mark, fmt::format("is derived from the {}; allowed: one of the two",
+                                                      table ? "D-H table" : "URDF"));
+}
+
+}  // namespace
+
 Codec<DeviationSettings> DeviationFields() {
   using S = DeviationSettings;
   return Section<S>(
@@ -125,39 +158,6 @@ Codec<DeviationSettings> DeviationFields() {
                                     fmt::format("given {}; allowed: a date such as 2026-11-26", s.date));
       });
 }
-
-/// Deviations are one arm's, and a controller that has them itself must not be given them again.
-void CheckDeviations(const Value& value, const Context& context, const ArmSettings& arm) {
-  const auto *serial = value.FindKey("serial"), *deviations = value.FindKey("deviations");
-  if (deviations && !serial)
-    context.Child("serial").Add(deviations->mark, "missing; required with deviations: whose they are");
-  if (serial && !deviations)
-    context.Child("serial").Add(serial->mark, "has no effect here: deviations is missing");
-  if (deviations && arm.absolute_accuracy)
-    context.Child("deviations")
-        .Add(deviations->mark,
-             "given together with absolute_accuracy: true, a controller that knows them itself; allowed: one "
-             "of the two");
-}
-
-/// With a URDF, what it says is not said again; what it does not say must be.
-void CheckArm(const Value& value, const Context& context, ArmSettings& arm) {
-  CheckGears(value, context, arm);
-  CheckDeviations(value, context, arm);
-  if (const auto* coupled = value.FindKey("coupled_limits_deg")) arm.coupled_line = coupled->mark.line;
-  const bool table = !arm.dh.rows.empty();
-  if (arm.urdf.file.empty() && !table)
-    return CheckLengths(*value.Find("lengths_mm"), context.Child("lengths_mm"), arm);
-  if (!arm.urdf.file.empty() && table)
-    context.Child("dh").Add(value.FindKey("dh")->mark,
-                            "given together with arm.urdf; allowed: one of the two");
-  for (const char* key : {"family", "lengths_mm", "axis_signs", "zero_offsets_deg"})
-    if (const auto* given = value.FindKey(key))
-      context.Child(key).Add(given->mark, fmt::format("is derived from the {}; allowed: one of the two",
-                                                      table ? "D-H table" : "URDF"));
-}
-
-}  // namespace
 
 Codec<ArmSettings> ArmFields() {
   using S = ArmSettings;

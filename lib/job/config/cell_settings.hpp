@@ -114,6 +114,8 @@ struct ToolPartSettings {
 
 /// Shape of a cutter's tip.
 enum class CutterTip : uint8_t { kFlat, kBall, kBull };
+inline constexpr EnumWords<CutterTip, 3> kCutterTipWords = {
+    {{"flat", CutterTip::kFlat}, {"ball", CutterTip::kBall}, {"bull", CutterTip::kBull}}};
 
 struct ToolSettings {
   std::string name;

@@ -2,6 +2,7 @@
 // The keys of a measurements file, and the CSV form of it.
 #include "base/csv.hpp"
 #include "base/yaml/edit.hpp"
+#include "job/config/config.hpp"
 #include "job/config/fields.hpp"
 #include "job/config/measurements.hpp"
 
@@ -9,10 +10,10 @@ namespace millpose {
 namespace config {
 namespace {
 
-const Unit kNewton{"N", 1, 1}, kNewtonMetre{"N·m", 1000, 1}, kRad{"rad", 1, 1};
+const Unit kNewton{"N", 1, 1}, kRad{"rad", 1, 1};
 const Range kNearFlange = Between(-10000, 10000);
 
-std::vector<Field<MeasurementSettings>> LoadFields() {
+std::vector<Field<MeasurementSettings>> MeasuredLoadFields() {
   using S = MeasurementSettings;
   std::vector<Field<S>> fields;
   fields.push_back(
@@ -37,7 +38,7 @@ void CheckLoad(const Value& value, const Context& context, MeasurementSettings& 
 
 Codec<MeasurementSettings> MeasurementFields() {
   using S = MeasurementSettings;
-  std::vector<Field<S>> fields = LoadFields();
+  std::vector<Field<S>> fields = MeasuredLoadFields();
   fields.push_back(Key<S>("displacement_mm", MILLPOSE_AT(displacement), Numbers3(kMm, Between(-1e6, 1e6)),
                           "Displacement against the unloaded arm, robot base frame.")
                        .Required());
@@ -109,7 +110,7 @@ const Codec<MeasurementsSettings>& MeasurementsFields() {
       Key<S>("two_way", MILLPOSE_AT(two_way), ListOf(TwoWayFields()),
              "Readings taken both ways, for the lost motion of joints."),
       Key<S>("candidates", MILLPOSE_AT(candidates),
-             ListOf(Section<MeasurementSettings>(LoadFields(), CheckLoad)),
+             ListOf(Section<MeasurementSettings>(MeasuredLoadFields(), CheckLoad)),
              "Poses and loads from which `identify --propose` chooses."),
   });
   return fields;
@@ -225,9 +226,12 @@ std::vector<TrackedRow> ParseTracked(std::string_view csv, const std::string& na
 }
 
 std::string ReplaceDeviations(const std::string& cell_yaml, const std::string& name,
-                              const std::string& deviations, const std::string& serial) {
-  const std::string text = config::WithKey(cell_yaml, name, "arm", "deviations", deviations);
-  return config::WithKey(text, name, "arm", "serial", config::WriteYamlLine(config::Value::Text(serial)));
+                              const DeviationSettings& deviations, const std::string& serial) {
+  std::string text = config::WithKey(cell_yaml, name, "arm", "deviations",
+                                     config::WriteYamlLine(config::DeviationFields().write(deviations)));
+  text = config::WithKey(text, name, "arm", "serial", config::WriteYamlLine(config::Value::Text(serial)));
+  ParseCell(text, name);
+  return text;
 }
 
 std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::string& name,
@@ -256,28 +260,28 @@ std::string ReplaceCompliances(const std::string& cell_yaml, const std::string& 
   const config::Value root = config::ReadYaml(cell_yaml, name);
   const config::Value* stiffness = root.Find("stiffness");
   const config::Value* standing = stiffness ? stiffness->Find("compliances") : nullptr;
+  std::vector<config::Value> entries;
   for (size_t i = 0; standing && i < standing->items.size(); ++i) {
     const config::Value* called = standing->items[i].Find("name");
-    if (!called || !called->text.starts_with(kOwn))
+    if (called && called->text.starts_with(kOwn)) continue;
+    entries.push_back(standing->items[i]);
+    if (!found.empty())
       throw InputError(
           {name, standing->items[i].mark.line, standing->items[i].mark.column},
-          "stiffness.compliances: has entries that millpose identify has not written, and what it "
-          "finds would count them twice; take them out, or write its result by hand");
+          "stiffness.compliances: has entries that millpose identify has not written, and what it finds "
+          "would "
+          "count them twice; allowed: a cell without them, or --springs, which finds the joints' alone");
   }
-  if (found.empty() && (!standing || standing->items.empty())) return cell_yaml;
-  std::vector<std::string> entries;
-  for (const ComplianceSettings& one : found) {
-    const auto triple = [](const Eigen::Vector3d& v, double factor) {
-      return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", factor * v.x(), factor * v.y(), factor * v.z());
-    };
-    std::string entry = fmt::format("{{name: {}{}, mount: {}", kOwn, one.name,
-                                    one.link == 0 ? std::string("base") : fmt::format("link{}", one.link));
-    if (!one.translational.isZero(0.0)) entry += ", translational_mm_N: " + triple(one.translational, 1);
-    if (!one.rotational.isZero(0.0)) entry += ", rotational_rad_Nm: " + triple(one.rotational, 1000);
-    entries.push_back(entry + "}");
+  if (found.empty() && entries.size() == (standing ? standing->items.size() : 0)) return cell_yaml;
+  const auto digits = [](double value) { return std::stod(fmt::format("{:.3g}", value)); };
+  for (ComplianceSettings one : found) {
+    one.name = std::string(kOwn) + one.name;
+    one.translational = one.translational.unaryExpr(digits);
+    one.rotational = one.rotational.unaryExpr(digits);
+    entries.push_back(config::ComplianceFields().write(one));
   }
   return config::WithKey(cell_yaml, name, "stiffness", "compliances",
-                         fmt::format("[{}]", fmt::join(entries, ", ")));
+                         config::WriteYamlLine(config::Value::List(std::move(entries))));
 }
 
 std::string ReplaceLostMotion(const std::string& cell_yaml, const std::string& name, const Vector6& width,

@@ -62,10 +62,10 @@ struct TrackedRow {
 /// of up to four.
 std::vector<TrackedRow> ParseTracked(std::string_view csv, const std::string& name);
 
-/// A cell's YAML text with `arm.deviations` (one line; `deviations` as YAML flow) and `arm.serial`;
-/// everything else as it was. Throws InputError when a key is not written in one line.
+/// A cell's YAML text with `arm.deviations` and `arm.serial`; everything else as it was. Throws InputError
+/// when a key is not written in one line, and where the cell would no longer be read.
 std::string ReplaceDeviations(const std::string& cell_yaml, const std::string& name,
-                              const std::string& deviations, const std::string& serial);
+                              const DeviationSettings& deviations, const std::string& serial);
 
 /// What an identification says of a cell's arm.
 struct IdentifiedStiffness {
@@ -79,9 +79,9 @@ struct IdentifiedStiffness {
 std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::string& name,
                                   const IdentifiedStiffness& found);
 
-/// The same with `stiffness.compliances` that millpose identify has found, in place of those of earlier
-/// times; an empty list takes these away. Throws InputError where the cell has compliances of other origin:
-/// what was identified gives way for them too.
+/// The same with `stiffness.compliances` that millpose identify has found (link, diagonals; three digits), in
+/// place of those of earlier times; an empty list takes these away and leaves others alone. Throws InputError
+/// where something was found and the cell has compliances of other origin: they would count twice.
 std::string ReplaceCompliances(const std::string& cell_yaml, const std::string& name,
                                const std::vector<ComplianceSettings>& found);
 

@@ -5,8 +5,7 @@
 namespace millpose::config {
 namespace {
 
-const Unit kMmPerNewton{"mm/N", 1, 1}, kRadPerNewtonMetre{"rad/(N·m)", 1, 1000}, kKilogram{"kg", 1, 1},
-    kNewtonMetre{"N·m", 1000, 1};
+const Unit kMmPerNewton{"mm/N", 1, 1}, kRadPerNewtonMetre{"rad/(N·m)", 1, 1000}, kKilogram{"kg", 1, 1};
 
 Codec<GravitySettings> GravityFields() {
   using S = GravitySettings;
@@ -41,6 +40,8 @@ Codec<GravitySettings> GravityFields() {
 }
 
 }  // namespace
+
+const Unit kNewtonMetre{"N·m", 1000, 1};
 
 Codec<ComplianceSettings> ComplianceFields() {
   using S = ComplianceSettings;

@@ -141,10 +141,7 @@ Codec<ToolSettings> ToolFields() {
           Key<S>("cutter", kSelf,
                  Section<S>(
                      {
-                         Key<S>("shape", MILLPOSE_AT(cutter_tip),
-                                ChoiceOf<CutterTip>({{"flat", CutterTip::kFlat},
-                                                     {"ball", CutterTip::kBall},
-                                                     {"bull", CutterTip::kBull}}),
+                         Key<S>("shape", MILLPOSE_AT(cutter_tip), ChoiceOf(kCutterTipWords),
                                 "Shape of the tip: flat end mill, ball, or corner radius."),
                          Key<S>("diameter_mm", MILLPOSE_AT(cutter_diameter), Real(kMm, Between(0.01, 1000)),
                                 "Diameter of the cutter.")

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kWorld = -1;  // moved by no external axis
 /// Distances are asked for up to this much more than the clearance, mm.
-constexpr double kNearby = 200;
+constexpr double kNearPath = 200;
 
 }  // namespace
 
@@ -192,7 +192,7 @@ std::optional<Interference> StationPath::Look(const ExternalPosition& from, cons
       const double motion = half * (travel[pair.first] + travel[pair.second]);
       const double wanted = std::max(clearance, clearance - impl_->resolution + motion);
       if (BoxesApart(a, b, wanted)) continue;
-      const BoundedDistance found = DistanceUpTo(a, b, std::min(wanted, clearance + kNearby));
+      const BoundedDistance found = DistanceUpTo(a, b, std::min(wanted, clearance + kNearPath));
       if (found.distance < clearance) return impl_->Report(pair, found);
       if (found.distance < wanted) undecided.push_back(index);
     }

@@ -9,7 +9,7 @@ namespace {
 constexpr int kCoarse = 3;                 // places of the grid that the first search steps by
 constexpr int kCoarseWindow = 2;           // and how many of these steps it may go from point to point
 constexpr int kReach = 4;                  // places to either side of what was found, on each finer grid
-constexpr int kRounds = 16;                // of searches; what interferes is barred in between
+constexpr int kSearchRounds = 16;          // of searches; what interferes is barred in between
 constexpr double kCrossingCost = 2e-3;     // mm: of two ways with the same marks the fewer
 constexpr double kDisplacedWeight = 0.02;  // so that a mark is worth 50 times its height of displacement
 constexpr double kSlack = 0.05;            // where the limit cannot be kept
@@ -160,7 +160,7 @@ std::optional<FaceCandidate> FaceSearch::Searched() {
   const FlankRules rules = CoarseRules();
   std::array<bool, 8> looked_at{};
   std::optional<FaceCandidate> best;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kSearchRounds; ++round) {
     const std::vector<size_t> nodes = SearchFlanks(coarse, rules);
     if (nodes.empty()) break;
     const int branch = coarse[0][nodes[0]].branch;

@@ -9,7 +9,7 @@ namespace millpose {
 namespace {
 
 /// Where a rotation on a branch has come to along a piece.
-struct Course {
+struct AngleCourse {
   Joints first, last, least, most;
 };
 
@@ -81,7 +81,7 @@ class TableMaker {
   }
 
   /// Goes on to `q`, the short way round; false where a joint steps too far.
-  bool Step(Course& course, const Joints& q, bool starts) const {
+  bool Step(AngleCourse& course, const Joints& q, bool starts) const {
     if (starts) {
       course = {q, q, q, q};
       return true;
@@ -105,7 +105,7 @@ class TableMaker {
     }
   }
 
-  bool FitsTurns(const Course& course, int j) const {
+  bool FitsTurns(const AngleCourse& course, int j) const {
     const AdmissibleBounds& bounds = problem_.bounds;
     for (int turns = -2; turns <= 2; ++turns) {
       const double shift = turns * 2 * kPi;
@@ -120,7 +120,7 @@ class TableMaker {
   const FixedTableOptions& options_;
   FixedTable table_;
   Joints most_ = Joints::Zero();  ///< rad, of the step that is taken
-  std::vector<Course> courses_;
+  std::vector<AngleCourse> courses_;
 };
 
 }  // namespace

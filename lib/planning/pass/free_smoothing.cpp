@@ -12,7 +12,7 @@
 namespace millpose {
 namespace {
 
-constexpr int kRounds = 32;                    // of smoothing; then what still interferes goes back
+constexpr int kSmoothingRounds = 32;           // of smoothing; then what still interferes goes back
 constexpr double kWorthwhile = 0.97;           // of the mean square: go on
 constexpr int kHalvings = 6;                   // of the way back to where a point was
 constexpr double kMargin = 0.05 * kRadPerDeg;  // a range ends this much before what interferes
@@ -48,7 +48,7 @@ class FreeSmoother {
     std::vector<FreedomRange> moving = ranges_;
     SegmentHits hits;
     bool whole = true;  // all points moved at once
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kSmoothingRounds; ++round) {
       const Smoothed smoothed = SmoothPath(scorers_, points_, moving, options_, path_);
       options_.repair = smoothed.repaired;
       options_.weight = 0;

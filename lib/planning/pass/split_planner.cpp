@@ -14,7 +14,7 @@ namespace {
 
 constexpr uint64_t kLeadStreams = uint64_t{1} << 40;  // beyond those of any job's own points
 constexpr double kFiner = 20;                         // of the table where the ladder's own finds nothing
-constexpr int kRounds = 40;                           // then what still fails stays without overlap
+constexpr int kSplitRounds = 40;                      // then what still fails stays without overlap
 
 /// Full revolutions hardly ever matter, so first every node stands for all of its own; where the joints then
 /// wind out of their limits, each turn becomes a node.
@@ -175,7 +175,7 @@ class SplitPlanner {
       Tried& tried = splits_[k];
       if (tried.split.overlap.by == OverlapChoice::By::kNone || (cut[k] && !failed[k])) continue;
       const std::vector<OverlapChoice>& choices = ChoicesOf(tried);
-      tried.choice = round < kRounds ? tried.choice + 1 : choices.size() - 1;
+      tried.choice = round < kSplitRounds ? tried.choice + 1 : choices.size() - 1;
       tried.split.overlap = choices[tried.choice];
       changed = true;
     }

@@ -71,7 +71,6 @@ constexpr std::array<Named, kNamedCount> kNamed{{{"lambda_t1_mm_N", 0, 0, 1, -1}
                                                  {"atan2", 2, 2, 0, 0}}};
 
 bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 class ExpressionParser {
  public:

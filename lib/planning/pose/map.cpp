@@ -16,14 +16,24 @@ namespace {
 
 using Eigen::Vector3d;
 
-enum Index : size_t { kDexterity, kMu, kLambdaT1, kLambdaT2, kLambdaN, kNormal, kInPlane, kLargest, kCross };
+enum class Shown : size_t {
+  kDexterity,
+  kMu,
+  kLambdaT1,
+  kLambdaT2,
+  kLambdaN,
+  kNormal,
+  kInPlane,
+  kLargest,
+  kCross
+};
 
 /// What is drawn: an index of the stiffness, or an objective.
 struct Drawn {
-  Index index = kDexterity;
+  Shown index = Shown::kDexterity;
   std::unique_ptr<Objective> objective;
 
-  bool greater_is_better() const { return !objective && (index == kDexterity || index == kMu); }
+  bool greater_is_better() const { return !objective && (index == Shown::kDexterity || index == Shown::kMu); }
 };
 
 Drawn DrawnBy(const std::string& name) {
@@ -31,8 +41,8 @@ Drawn DrawnBy(const std::string& name) {
   const auto found = std::ranges::find(all, name, &MapIndex::name);
   assert(found != all.end());
   const auto place = static_cast<size_t>(found - all.begin());
-  if (place > kCross) return {kDexterity, MakeObjective(name, {})};
-  return {static_cast<Index>(place), nullptr};
+  if (place > static_cast<size_t>(Shown::kCross)) return {Shown::kDexterity, MakeObjective(name, {})};
+  return {static_cast<Shown>(place), nullptr};
 }
 
 /// Where stiffness is asked for, in F, mm.
@@ -44,7 +54,7 @@ Vector3d StiffnessPoint(const MapRequest& request) {
 void Evaluate(const MapRequest& request, const Drawn& drawn, const SeriesBlock& series,
               const FlangeBlock& flange, const ArmBranchBlock& branch, bool flipped, Lanes& out) {
   const Vector3d tip = request.X_FT.translation();
-  if (!drawn.objective && drawn.index == kDexterity)
+  if (!drawn.objective && drawn.index == Shown::kDexterity)
     return DexterityOfBlock(request.arm, flange, branch, tip, request.characteristic_length, out);
   const Vector3d point = StiffnessPoint(request);
   ComplianceBlock c;
@@ -61,7 +71,7 @@ void Evaluate(const MapRequest& request, const Drawn& drawn, const SeriesBlock& 
   const Lanes* from[] = {nullptr,           &indices.mu,         &indices.lambda_t1,    &indices.lambda_t2,
                          &indices.lambda_n, &deflections.normal, &deflections.in_plane, &deflections.largest,
                          &deflections.cross};
-  out = *from[drawn.index];
+  out = *from[static_cast<size_t>(drawn.index)];
 }
 
 /// Keeps `candidate` when it beats what the point has.

@@ -38,6 +38,11 @@ ObjectiveParameters Complete(const ObjectiveEntry& entry, const ObjectiveParamet
       problems.push_back(
           {SourceLocation{}, fmt::format("objective {}: {} is {}; allowed: at least {}", entry.name,
                                          rule.name, ShortestNumber(value), ShortestNumber(rule.minimum))});
+    const auto words = static_cast<double>(rule.words.size());
+    if (words > 0 && (value >= words || value != std::floor(value)))
+      problems.push_back({SourceLocation{},
+                          fmt::format("objective {}: {} is {}; allowed: the index of one of {}", entry.name,
+                                      rule.name, ShortestNumber(value), fmt::join(rule.words, ", "))});
   }
   for (const auto& [name, value] : given) {
     if (!all.contains(name))

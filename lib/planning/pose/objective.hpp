@@ -72,6 +72,7 @@ struct ParameterRule {
   double minimum;   ///< least allowed value
   /// Where the job gives one of these words, the value is the word's index; else empty.
   std::vector<std::string> words = {};
+  std::string doc = {};  ///< what the words mean, for the reference page
 };
 
 /// What the registry knows of an objective before it is made.

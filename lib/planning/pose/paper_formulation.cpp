@@ -45,10 +45,10 @@ PaperResult Judge(const PoseProblem& problem, const PaperTarget& target,
   return result;
 }
 
-class Population {
+class PaperPopulation {
  public:
-  Population(const PoseProblem& problem, const PaperTarget& target, const PaperFormulationOptions& options,
-             RandomStream stream)
+  PaperPopulation(const PoseProblem& problem, const PaperTarget& target,
+                  const PaperFormulationOptions& options, RandomStream stream)
       : problem_(problem),
         lower_(problem.bounds.lower),
         upper_(problem.bounds.upper),
@@ -144,7 +144,7 @@ PaperTarget MakePaperTarget(const PoseProblem& problem, const MillingPoint& poin
 
 PaperResult PaperSearch(const PoseProblem& problem, const PaperTarget& target,
                         const PaperFormulationOptions& options, RandomStream stream) {
-  Population population(problem, target, options, stream);
+  PaperPopulation population(problem, target, options, stream);
   double spread = 0.2;  // of each joint's range; shrinks to some 1e-6 of it
   const double shrink = Pow(5e-6, 1.0 / options.generations);
   for (int generation = 1; generation < options.generations; ++generation, spread *= shrink)

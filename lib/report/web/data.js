@@ -67,6 +67,9 @@
     return data;
   };
 
+  // The columns of the external axes: e1, e2, …
+  m.externalKeys = (data) => [1, 2, 3].map((k) => "e" + k).filter((key) => data.column[key]);
+
   // The row that shows point `number`, or the one whose number is nearest.
   m.rowOf = function (data, number) {
     const numbers = data.rows.number;

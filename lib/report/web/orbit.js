@@ -3,6 +3,10 @@
 (function (m) {
   "use strict";
 
+  // A long lens: who looks stands outside of most arms, and distances keep their proportions.
+  m.FIELD_OF_VIEW = 18;  // degrees, of the height
+  m.DISTANCE = 7.4;      // from a sphere that shall be seen whole, in its radii
+
   // Turn (drag), shift (right button or shift-drag), near and far (wheel) about a target, z up.
   m.Orbit = class {
     constructor(node, changed, clicked) {
@@ -49,7 +53,7 @@
       this.changed();
     }
     pan(dx, dy, pixels) {
-      const scale = (this.distance * 0.63) / pixels;
+      const scale = (this.distance * 2 * Math.tan((m.FIELD_OF_VIEW * Math.PI) / 360)) / pixels;
       const right = new THREE.Vector3(-Math.sin(this.azimuth), Math.cos(this.azimuth), 0);
       const up = new THREE.Vector3().crossVectors(this.direction(), right);
       this.target.addScaledVector(right, -dx * scale).addScaledVector(up, dy * scale);

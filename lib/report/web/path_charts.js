@@ -49,6 +49,7 @@
         chart("Clearance", ["clearance"], 110),
         chart("Joint angles", six("a"), 170),
         chart("Joint speeds", six("v"), 150),
+        ...m.externalKeys(data).map((key) => chart(data.column[key].label, [key], 110)),
         chart("Distance of the nearest joint from its limit", ["limit_reserve"], 110),
       ].filter((c) => c);
     }

@@ -5,7 +5,23 @@
 
   const COLOURS = { workpiece: 0xc9d0d6, link: 0x7f8b96, spindle: 0x4f6d8f, holder: 0x4f6d8f, cutter: 0xb03a2e, fixture: 0x8fa1ae, platform: 0xa9b4bc };
 
+  const LIGHT = 0.1;  // opacity of the arm
+
   const matrix = (rows) => new THREE.Matrix4().set(...rows);
+
+  // How far the nearest part of the arm is from the line from `centre` towards who looks, as a share of the distance
+  // from him: what stands near him hides most.
+  function roomBeside(arm, centre, direction, distance) {
+    let least = Infinity;
+    for (let i = 1; i < arm.length; ++i)
+      for (let t = 0; t <= 1; t += 0.125) {
+        const off = arm[i - 1].clone().lerp(arm[i], t).sub(centre), along = off.dot(direction);
+        if (along <= 0) continue;  // behind the part
+        const left = Math.max(distance - along, 0.05 * distance);
+        least = Math.min(least, off.addScaledVector(direction, -along).length() / left);
+      }
+    return least;
+  }
 
   m.Scene = class {
     constructor(parent, data, actions) {
@@ -17,7 +33,7 @@
       parent.prepend(this.renderer.domElement);
       this.renderer.domElement.setAttribute("aria-label", "3-D view of the part, the path and the arm");
       this.scene = new THREE.Scene();
-      this.camera = new THREE.PerspectiveCamera(35, 1, 1, 1e6);
+      this.camera = new THREE.PerspectiveCamera(m.FIELD_OF_VIEW, 1, 1, 1e6);
       this.camera.up.set(0, 0, 1);
       const sky = new THREE.HemisphereLight(0xffffff, 0x8a8f96, 0.75);
       sky.position.set(0, 0, 1);
@@ -45,9 +61,9 @@
         const workpiece = body.class === "workpiece";
         const moves = (body.mount === "link" && body.link > 0) || body.mount === "tool";
         const material = new THREE.MeshLambertMaterial({
-          color: COLOURS[body.class] || 0x999999, side: THREE.DoubleSide,
-          // Seen through, so that the arm never hides the path.
-          transparent: moves, opacity: moves ? 0.28 : 1, depthWrite: !moves,
+          color: COLOURS[body.class] || 0x999999, side: moves ? THREE.FrontSide : THREE.DoubleSide,
+          // Seen through, so that the arm never hides the path, and from outside alone: no walls around who stands in it.
+          transparent: moves, opacity: moves ? LIGHT : 1, depthWrite: !moves,
           polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2,
         });
         const mesh = new THREE.Mesh(m.geometryOf(body.vertices, body.faces), material);
@@ -110,7 +126,7 @@
       for (const { mesh, body, colour } of this.bodies) {
         const red = pair.split(" and ").includes(body.name);
         mesh.material.color.setHex(red ? parseInt(m.RED.slice(1), 16) : colour);
-        if (mesh.material.transparent) mesh.material.opacity = red ? 0.8 : 0.28;
+        if (mesh.material.transparent) mesh.material.opacity = red ? 0.8 : LIGHT;
       }
       this.groups.arm.visible = joints !== null && this.showArm !== false;
       if (joints) {
@@ -140,26 +156,36 @@
       this.schedule();
     }
 
-    // Looks at the part from the side its points face, from a little above and aside, so that the arm does not hide it.
-    // Shows the path, or the path and the arm as it stands.
+    // Looks at the part from the side its points face, past the arm as it stands. Shows the path, or path and arm.
     fit(withArm) {
       const { rows, count } = this.data;
       const box = new THREE.Box3().setFromBufferAttribute(new THREE.BufferAttribute(rows.position, 3));
-      const joints = withArm ? m.jointsOf(this.data, this.selected) : null;
-      if (joints) for (const frame of m.armFrames(this.data, joints)) box.expandByPoint(new THREE.Vector3(frame[3], frame[7], frame[11]));
+      const row = this.selected === undefined ? 0 : this.selected, joints = m.jointsOf(this.data, row);
+      const arm = joints ? m.armFrames(this.data, joints, m.baseAt(this.data, row)).map((frame) => new THREE.Vector3(frame[3], frame[7], frame[11])) : [];
+      if (withArm) for (const place of arm) box.expandByPoint(place);
       const n = [0, 1, 2].map((k) => {
         let sum = 0;
         for (let i = 0; i < count; ++i) sum += rows.normal[3 * i + k];
         return sum / Math.max(1, count);
       });
-      this.fitTo(box, n);
+      this.fitTo(box, n, withArm ? [] : arm);
     }
-    fitTo(box, n) {
-      let azimuth = Math.atan2(n[1], n[0]) + 0.95, height = 0.4;
-      if (Math.hypot(...n) < 0.2) azimuth = -0.8;
-      else if (Math.hypot(n[0], n[1]) < 0.3) [azimuth, height] = [-0.9, 0.9];
-      const sphere = box.getBoundingSphere(new THREE.Sphere());
-      this.orbit.set(sphere.center, Math.max(sphere.radius, 20) * 4, azimuth, height);
+    // `n`: the mean of the normals; `arm`: places along the arm that had better not stand in the way.
+    fitTo(box, n, arm = []) {
+      let azimuth = Math.atan2(n[1], n[0]), height = 0.4, turns = [0.95];
+      if (Math.hypot(...n) < 0.2) [azimuth, turns] = [-0.8, [0]];
+      else if (Math.hypot(n[0], n[1]) < 0.3) [azimuth, height, turns] = [-0.9, 0.9, [0]];
+      else if (arm.length > 0) turns = [0.95, -0.95, 0.7, -0.7, 0.45, -0.45];
+      const sphere = box.getBoundingSphere(new THREE.Sphere()), distance = Math.max(sphere.radius, 20) * m.DISTANCE;
+      // Of the views that show the face that from which the arm stands farthest beside the line of sight and the face is
+      // seen well; the first of equal ones.
+      let best = turns[0], most = -Infinity;
+      for (const turn of turns) {
+        this.orbit.set(sphere.center, distance, azimuth + turn, height);
+        const room = roomBeside(arm, sphere.center, this.orbit.direction(), distance) * Math.cos(turn);
+        if (room > most * 1.05 || most === -Infinity) [best, most] = [turn, room];
+      }
+      this.orbit.set(sphere.center, distance, azimuth + best, height);
       this.schedule();
     }
 

@@ -108,6 +108,7 @@
         way.frustumCulled = false;
         way.renderOrder = 1;
         way.material.transparent = true;
+        way.material.opacity = name === "gap" ? 0.4 : 1;
         this.ways.add(way);
       }
       this.recolour();

@@ -3,7 +3,7 @@
 (function (m) {
   "use strict";
 
-  const MESSAGES_SHOWN = 6;
+  const MESSAGES_OPEN = 4;  // findings that stand open
 
   const cell = (text, numeric) => m.element("td", numeric ? { class: "number" } : {}, text);
 
@@ -20,22 +20,29 @@
       fact(`${gaps.planned}/${gaps.total}`, "gaps planned", gaps.planned < gaps.total));
     for (const time of data.times) {
       const [total, ...parts] = time.text.split(" ");
-      const node = fact(total, `h:min:s on ${time.controller} ${parts.join(" ")}`);
-      node.title = time.passes_s.map((s, pass) => `pass ${pass}: ${s} s`).slice(0, 40).join("\n");
+      const node = fact(total, time.controller);
+      node.title = `h:min:s on ${time.controller} ${parts.join(" ")}\n` + time.passes_s.map((s, pass) => `pass ${pass}: ${s} s`).slice(0, 40).join("\n");
       document.getElementById("facts").append(node);
+      document.getElementById("times").append(m.element("p", {}, `${time.controller}: h:min:s ${time.text}`));
     }
     const thinned = [];
     if (c.shown < c.total) thinned.push(`${c.shown.toLocaleString("en")} of ${c.total.toLocaleString("en")} points are shown; the ends of all pieces and the worst points of every index are among them. All points stand in points.csv.`);
     for (const body of data.bodies)
       if (body.triangles_shown < body.triangles) thinned.push(`${body.name} is drawn with ${body.triangles_shown.toLocaleString("en")} of ${body.triangles.toLocaleString("en")} triangles.`);
     document.getElementById("thinned").textContent = thinned.join(" ");
-    const message = (kind) => (text) => m.element("li", { class: kind }, text);
-    const messages = [...data.findings.map(message("bad")), ...data.warnings.map(message("note"))];
-    // The views must stay on the first screen, however much there is to tell.
-    const rest = messages.splice(MESSAGES_SHOWN);
-    if (rest.length > 0) messages.push(m.element("li", {}, m.element("details", {}, m.element("summary", {}, `${rest.length} more`), m.element("ul", {}, ...rest))));
-    document.getElementById("messages").append(...messages);
+    document.getElementById("messages").append(...foldedMessages("finding", "bad", data.findings), ...foldedMessages("warning", "note", data.warnings));
   };
+
+  // One line of a kind of message, with the rest behind it: the views must stay on the first screen, however much there is
+  // to tell. A single message stands by itself.
+  function foldedMessages(kind, style, texts) {
+    const list = texts.map((text) => m.element("li", { class: style }, text));
+    if (list.length < 2) return list;
+    const summary = m.element("summary", { class: style }, `${texts.length} ${kind}s`);
+    const folded = m.element("details", { class: kind }, summary, m.element("ul", {}, ...list));
+    folded.open = kind === "finding" && list.length <= MESSAGES_OPEN;
+    return [m.element("li", {}, folded)];
+  }
 
   m.PointPanel = class {
     constructor(data, actions) {
@@ -65,12 +72,13 @@
       };
       const joints = [1, 2, 3, 4, 5, 6].map((j) =>
         line("A" + j, value("a" + j), `${m.format(data.arm.lower_deg[j - 1])}…${m.format(data.arm.upper_deg[j - 1])}°`, value("v" + j)));
+      const external = m.externalKeys(data).map((key) => line(data.column[key].symbol, value(key), "", ""));
       const table = (caption, head, ...lines) => m.element("table", {}, m.element("caption", {}, caption), ...head, ...lines);
       this.figures.replaceChildren(
         table("Stiffness", [], ...["objective", "lambda_t1", "lambda_t2", "lambda_n", "normal_compliance", "mu", "dexterity", "price", "deflection", "deflection_normal", "before", "after", "worst_before", "worst_after", "shift", "arm_shift"].filter((key) => data.column[key]).map(simple)),
         table("Place and pose", [], line("x, W", `${p[0].toFixed(2)} mm`), line("y, W", `${p[1].toFixed(2)} mm`), line("z, W", `${p[2].toFixed(2)} mm`),
           simple("rotation"), line("branch", reason ? "–" : "S" + rows.branch[row]), simple("clearance"), ...this.nearest(row), simple("limit_reserve"), simple("speed_share")),
-        table("Joints", [m.element("tr", {}, m.element("th"), ...["angle", "limits", "speed"].map((t) => m.element("th", { class: "number" }, t)))], ...joints));
+        table("Joints", [m.element("tr", {}, m.element("th"), ...["angle", "limits", "speed"].map((t) => m.element("th", { class: "number" }, t)))], ...joints, ...external));
     }
   };
 

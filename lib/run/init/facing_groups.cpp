@@ -12,11 +12,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-double AreaOf(const Mesh& mesh, int face) {
-  const Vector3d& a = mesh.Corner(face, 0);
-  return (mesh.Corner(face, 1) - a).cross(mesh.Corner(face, 2) - a).norm() / 2;
-}
-
 Vector3d MiddleOf(const Mesh& mesh, int face) {
   return (mesh.Corner(face, 0) + mesh.Corner(face, 1) + mesh.Corner(face, 2)) / 3;
 }

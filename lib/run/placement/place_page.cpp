@@ -37,10 +37,10 @@ p { margin: 0 0 6px; color: var(--muted); }
 
 /// What a place that cannot be is drawn in; each differs from the others in brightness too.
 const std::map<std::string, std::string>& CauseColours() {
-  static const std::map<std::string, std::string> colours{{"unreachable", "#3b3f46"},
-                                                          {"limit", "#6b7079"},
-                                                          {"singular", "#9a9fa8"},
-                                                          {"interference", "#c9cdd3"},
+  static const std::map<std::string, std::string> colours{{"unreachable", "#8a8f98"},
+                                                          {"limit", "#a3a8b0"},
+                                                          {"singular", "#b9bec5"},
+                                                          {"interference", "#cfd3d8"},
                                                           {"step", "#b39ddb"}};
   return colours;
 }
@@ -51,10 +51,10 @@ std::string CauseColour(const std::string& cause) {
   return found == CauseColours().end() ? kTouches : found->second;
 }
 
-/// Places on viridis, which grows evenly in brightness: 0 (best) yellow, 1 violet.
+/// Places on viridis, bright is worse as in every report: 0 (best) violet, 1 yellow.
 std::string Colour(double share) {
   constexpr std::array<std::array<int, 3>, 5> kStops{
-      {{253, 231, 37}, {94, 201, 98}, {33, 145, 140}, {59, 82, 139}, {68, 1, 84}}};
+      {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
   const double at = std::clamp(share, 0.0, 1.0) * (kStops.size() - 1);
   const size_t i = std::min(kStops.size() - 2, static_cast<size_t>(at));
   const double t = at - static_cast<double>(i);

@@ -7,21 +7,17 @@
 namespace millpose {
 namespace {
 
-constexpr double kMaxRadius = 1e6;  // mm: bounds the number of points that a circle becomes
+constexpr double kMaxCircle = 1e6;  // mm: bounds the number of points that a circle becomes
 constexpr double kOffCircle = 0.1;  // mm: files are written with three digits and tolerances below this
-
-Eigen::Vector3d Across(const Eigen::Vector3d& vector, const Eigen::Vector3d& axis) {
-  return vector - axis.dot(vector) * axis;
-}
 
 void CheckRadius(const AptCircle& circle, const Eigen::Vector3d& axis, const Eigen::Vector3d& from,
                  const Eigen::Vector3d& to) {
   const double start = Across(from - circle.centre, axis).norm();
   const double end = Across(to - circle.centre, axis).norm();
   const double radius = circle.radius.value_or(start);
-  if (!(std::max({radius, start, end}) <= kMaxRadius))
+  if (!(std::max({radius, start, end}) <= kMaxCircle))
     throw InputError(circle.place, fmt::format("the circle's radius of {:.4g} mm is above {} mm",
-                                               std::max({radius, start, end}), kMaxRadius));
+                                               std::max({radius, start, end}), kMaxCircle));
   const double off = std::max(std::abs(start - radius), std::abs(end - radius));
   if (off > std::max(kOffCircle, 1e-3 * radius))
     throw InputError(

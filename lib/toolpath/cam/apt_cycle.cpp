@@ -8,7 +8,7 @@
 namespace millpose {
 namespace {
 
-constexpr double kChipRetract = 1;  // mm: the machine's own parameter; the hole is the same whatever it is
+constexpr double kAptChipRetract = 1;  // mm: the machine's own parameter; the hole is the same whatever it is
 
 // What the words behind the kind of the cycle say.
 struct Words {
@@ -167,7 +167,7 @@ class CycleReader {
     }
     cycle_.clearance = *words_.clearance;
     cycle_.step = words_.step;
-    cycle_.chip_retract = words_.chips ? kChipRetract : 0;
+    cycle_.chip_retract = words_.chips ? kAptChipRetract : 0;
     cycle_.retract = std::max(cycle_.clearance, words_.retract.value_or(cycle_.clearance));
     LayStrokes(*words_.depth, cycle_);
   }

@@ -5,7 +5,7 @@ namespace millpose {
 namespace {
 
 using Vector = Eigen::Vector3d;
-constexpr size_t kMaxPoints = 2'000'000;  // bounds what circles of a small file can become
+constexpr size_t kMaxAptPoints = 2'000'000;  // bounds what circles of a small file can become
 
 }  // namespace
 
@@ -116,8 +116,9 @@ void AptMotion::Append(const std::vector<Vector>& way, const Vector& axis_before
 
 void AptMotion::AddPoint(const Vector& position, const Vector& axis, bool rapid,
                          const SourceLocation& place) {
-  if (path_.points.size() >= kMaxPoints)
-    throw InputError({place.file, place.line}, fmt::format("the path has more than {} points", kMaxPoints));
+  if (path_.points.size() >= kMaxAptPoints)
+    throw InputError({place.file, place.line},
+                     fmt::format("the path has more than {} points", kMaxAptPoints));
   path_.points.push_back({position, axis, feed_, rapid, fresh_ && HasPoint(), place.line});
   sections_.Stamp(path_.points.back());
   fresh_ = false;

@@ -16,7 +16,7 @@ const std::set<std::string_view> kStates{"FEDRAT", "SPINDL", "CUTTER", "TLDATA",
                                          "UNIT",   "ORIGIN", "TRANS",  "LOADTL", "TOOLNO", "TURRET", "LOAD"};
 
 // Texts, displays, auxiliary functions, tolerances of the processor, modes of a postprocessor's output.
-const std::set<std::string_view> kHarmless{
+const std::set<std::string_view> kHarmlessWords{
     "ARCSLP", "AUTOPS", "AUXFUN",      "CHANNEL",  "CLEARP", "CLPRNT", "COOLNT", "CUTCOM", "DELAY",
     "DISPLY", "END",    "FINI",        "HEAD",     "HEADER", "INSERT", "INTOL",  "ISN",    "LEADER",
     "LINTOL", "MACHIN", "MCHTOL",      "MODE",     "MULTAX", "NOPOST", "OFSTNO", "OPSKIP", "OPSTOP",
@@ -73,7 +73,7 @@ AptMeaning MeaningOf(const AptStatement& statement) {
   if (word == "RETRCT" || word == "GOHOME") return AptMeaning::kLeaves;
   if (kSurfaceMotions.contains(word)) return AptMeaning::kSurfaceMotion;
   // Free text may follow without a slash: "PPRINT OPERATION 1".
-  return kHarmless.contains(word) ? AptMeaning::kHarmless : AptMeaning::kUnknown;
+  return kHarmlessWords.contains(word) ? AptMeaning::kHarmless : AptMeaning::kUnknown;
 }
 
 void CheckHarmless(const AptStatement& statement) {

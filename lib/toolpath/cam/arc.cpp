@@ -5,14 +5,6 @@
 #include "base/units.hpp"
 
 namespace millpose {
-namespace {
-
-Eigen::Vector3d Across(const Eigen::Vector3d& vector, const Eigen::Vector3d& axis) {
-  return vector - axis.dot(vector) * axis;
-}
-
-}  // namespace
-
 double ArcAngle(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& centre,
                 const Eigen::Vector3d& axis, int full_turns) {
   const Eigen::Vector3d a = Across(from - centre, axis), b = Across(to - centre, axis);

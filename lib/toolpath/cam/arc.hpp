@@ -8,6 +8,11 @@
 
 namespace millpose {
 
+/// The part of a vector across `axis` (unit vector).
+inline Eigen::Vector3d Across(const Eigen::Vector3d& vector, const Eigen::Vector3d& axis) {
+  return vector - axis.dot(vector) * axis;
+}
+
 /// The angle of the right-hand turn about `axis` (unit vector) from `from` to `to`, with `full_turns` more:
 /// above 0, a full revolution where both coincide within 1e-4 mm. Precondition: neither lies on the axis.
 double ArcAngle(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& centre,

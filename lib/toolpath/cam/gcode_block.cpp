@@ -8,8 +8,7 @@ namespace {
 
 constexpr size_t kMaxLine = 10000;  // characters; nothing sensible is longer
 
-bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+bool IsBlankInBlock(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool IsLetter(char c) { return (c >= 'A' && c <= 'Z') || c == '_' || c == '$'; }
 
 std::string UpperCase(std::string_view line) {
@@ -95,7 +94,7 @@ void GcodeScanner::TakeComma(GcodeBlock& block) {
 void GcodeScanner::TakeTapeMark(GcodeBlock& block) {
   std::string_view rest = std::string_view(text_).substr(at_);
   rest = rest.substr(0, rest.find(';'));
-  while (!rest.empty() && IsBlank(rest.back())) rest.remove_suffix(1);
+  while (!rest.empty() && IsBlankInBlock(rest.back())) rest.remove_suffix(1);
   at_ = text_.size();
   const bool inch = rest.ends_with(" G70 *") || rest.ends_with(" G70*");
   if (!inch && !rest.ends_with(" G71 *") && !rest.ends_with(" G71*")) return;
@@ -108,7 +107,7 @@ void GcodeScanner::TakeTapeMark(GcodeBlock& block) {
 }
 
 void GcodeScanner::SkipBlanks() {
-  while (IsBlank(At(at_))) ++at_;
+  while (IsBlankInBlock(At(at_))) ++at_;
 }
 
 std::string GcodeScanner::Letters() {
@@ -163,7 +162,7 @@ GcodeWord GcodeScanner::Word() {
     size_t end = at_;
     while (IsDigit(At(end))) ++end;
     size_t equals = end;
-    while (IsBlank(At(equals))) ++equals;
+    while (IsBlankInBlock(At(equals))) ++equals;
     if (end > at_ && At(equals) == '=') {
       word.address += text_.substr(at_, end - at_);
       at_ = end;
@@ -238,7 +237,7 @@ void GcodeScanner::Value(GcodeWord& word) {
   SkipBlanks();
   const char c = At(at_);
   size_t behind = at_ + 1;
-  while (IsBlank(At(behind))) ++behind;
+  while (IsBlankInBlock(At(behind))) ++behind;
   if (c == '*' && behind >= text_.size()) return;  // Heidenhain: the block's end
   if (c == '*' || c == '+' || c == '-' || c == '/' || c == '(' || c == '[' || c == '<' || c == '>' ||
       c == '=')

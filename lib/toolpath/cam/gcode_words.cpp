@@ -10,10 +10,10 @@ namespace millpose {
 namespace {
 
 // Exact stop, path control, blending, length compensation, spindle modes, zero offsets, soft limits.
-constexpr double kHarmless[] = {5.1,   8.0,   9.0,   40.0,  43.0,  43.1,  44.0,  49.1,  50.0,  54.0,  54.1,
-                                55.0,  56.0,  57.0,  58.0,  59.0,  59.1,  59.2,  59.3,  60.0,  61.0,  61.1,
-                                62.0,  63.0,  64.0,  64.1,  69.0,  97.0,  103.0, 154.0, 187.0, 290.0, 450.0,
-                                451.0, 500.0, 601.0, 602.0, 603.0, 640.0, 641.0, 642.0, 643.0, 644.0, 645.0};
+constexpr double kHarmlessG[] = {5.1,   8.0,   9.0,   40.0,  43.0,  43.1,  44.0,  49.1,  50.0,  54.0,  54.1,
+                                 55.0,  56.0,  57.0,  58.0,  59.0,  59.1,  59.2,  59.3,  60.0,  61.0,  61.1,
+                                 62.0,  63.0,  64.0,  64.1,  69.0,  97.0,  103.0, 154.0, 187.0, 290.0, 450.0,
+                                 451.0, 500.0, 601.0, 602.0, 603.0, 640.0, 641.0, 642.0, 643.0, 644.0, 645.0};
 // Splines, threads, cutter radius compensation, polar coordinates, scaling, mirrors, coordinate shifts,
 // tilted planes, macros, fixed points.
 constexpr double kRefused[] = {2.1,  2.2,  3.1,  3.2,  5.2,  6.0,   6.2,   7.1,   10.0,  12.0, 12.1, 13.0,
@@ -39,7 +39,7 @@ constexpr std::string_view kRefusedNames[] = {
 }  // namespace
 
 GcodeMeaning MeaningOfG(double number) {
-  if (std::ranges::find(kHarmless, number) != std::end(kHarmless) || (number >= 505 && number <= 599))
+  if (std::ranges::find(kHarmlessG, number) != std::end(kHarmlessG) || (number >= 505 && number <= 599))
     return GcodeMeaning::kHarmless;
   return std::ranges::find(kRefused, number) != std::end(kRefused) ? GcodeMeaning::kRefused
                                                                    : GcodeMeaning::kUnknown;

@@ -94,10 +94,10 @@ const std::vector<Mark>& Marks() {
 // The start of the file in upper case; each line behind "\n", without blanks in front and around slashes, and
 // without the number of a block.
 std::string Head(std::string_view bytes) {
-  constexpr size_t kLooked = 200'000;
+  constexpr size_t kHead = 200'000;
   std::string head = "\n";
   bool begins = true;
-  for (char c : bytes.substr(0, kLooked)) {
+  for (char c : bytes.substr(0, kHead)) {
     if (c == '\r') c = '\n';
     if (begins && (c == ' ' || c == '\t')) continue;
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');

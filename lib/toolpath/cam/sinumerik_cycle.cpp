@@ -7,11 +7,11 @@
 namespace millpose {
 namespace {
 
-const std::set<std::string_view> kDrilling{"CYCLE81", "CYCLE82", "CYCLE83"};
-const std::set<std::string_view> kSpindle{"CYCLE84", "CYCLE840", "CYCLE85", "CYCLE86",
-                                          "CYCLE87", "CYCLE88",  "CYCLE89"};
-constexpr double kChipRetract = 1;   // mm, CYCLE83's own where _VRT gives none
-constexpr double kSameDepth = 1e-6;  // mm
+const std::set<std::string_view> kDrillingCycles{"CYCLE81", "CYCLE82", "CYCLE83"};
+const std::set<std::string_view> kSpindleCycles{"CYCLE84", "CYCLE840", "CYCLE85", "CYCLE86",
+                                                "CYCLE87", "CYCLE88",  "CYCLE89"};
+constexpr double kCycle83Retract = 1;  // mm, CYCLE83's own where _VRT gives none
+constexpr double kSameDepth = 1e-6;    // mm
 
 }  // namespace
 
@@ -45,7 +45,7 @@ class SinumerikCycles::Arguments {
 };
 
 bool SinumerikCycles::IsCycle(std::string_view name) {
-  return kDrilling.contains(name) || kSpindle.contains(name);
+  return kDrillingCycles.contains(name) || kSpindleCycles.contains(name);
 }
 
 void SinumerikCycles::Call(const GcodeWord& call, bool modal) {
@@ -100,7 +100,7 @@ void SinumerikCycles::ReadStrokes(const Arguments& arguments, GcodeHole& hole, d
     }
     drilling.bottoms = ShrinkingStrokes(reference, first, bottom, less, hole.place);
     drilling.chip_retract =
-        arguments.Or0(11) == 0 ? (arguments.Or0(14) > 0 ? unit * arguments.Or0(14) : kChipRetract) : 0;
+        arguments.Or0(11) == 0 ? (arguments.Or0(14) > 0 ? unit * arguments.Or0(14) : kCycle83Retract) : 0;
     if (arguments.Or0(10) > 0) hole.first_feed_share = arguments.Or0(10);
   }
   hole.strokes = Heights(drilling, hole.place);
@@ -110,7 +110,8 @@ GcodeHole SinumerikCycles::Read(const GcodeWord& call) const {
   GcodeHole hole;
   hole.name = call.address;
   hole.place = call.place;
-  if (kSpindle.contains(call.address)) hole.left_out = "the cycle is not known to be straight motions alone";
+  if (kSpindleCycles.contains(call.address))
+    hole.left_out = "the cycle is not known to be straight motions alone";
   const Arguments arguments(call.text, variables_);
   // Behind the classic arguments: machining plane and which depth was stated; both may only say the usual.
   const bool deep = hole.name == "CYCLE83";

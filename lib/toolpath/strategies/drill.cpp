@@ -197,7 +197,7 @@ yaml::Codec<Countersink> CountersinkFields() {
                             "Of the cutter's tip under the entrance.")});
 }
 
-yaml::Codec<Drill> Fields() {
+yaml::Codec<Drill> DrillFields() {
   using S = Drill;
   using namespace yaml;
   return Section<S>(
@@ -268,7 +268,7 @@ LaidPath Drill::Make(const StrategyInputs& inputs, std::stop_token stop) const {
 }
 
 StrategyEntry DrillEntry() {
-  return EntryOf<Drill>("drill", "Strategy drill: holes along their axes.", Fields());
+  return EntryOf<Drill>("drill", "Strategy drill: holes along their axes.", DrillFields());
 }
 
 }  // namespace millpose

@@ -197,7 +197,7 @@ std::vector<yaml::Field<Trim>> WayKeys() {
           Key<S>("tabs", MILLPOSE_AT(tabs), Maybe(TabFields()), "What is left standing to hold the piece.")};
 }
 
-yaml::Codec<Trim> Fields() {
+yaml::Codec<Trim> TrimFields() {
   using S = Trim;
   using namespace yaml;
   std::vector<Field<S>> fields{
@@ -262,7 +262,7 @@ LaidPath Trim::Make(const StrategyInputs& inputs, std::stop_token stop) const {
 }
 
 StrategyEntry TrimStrategyEntry() {
-  return EntryOf<Trim>("trim", "Strategy trim: an edge or closed contour, cut through.", Fields());
+  return EntryOf<Trim>("trim", "Strategy trim: an edge or closed contour, cut through.", TrimFields());
 }
 
 }  // namespace millpose

@@ -11,7 +11,7 @@
 namespace millpose {
 namespace {
 
-CellSettings With(const std::string& section) {
+CellSettings CoupledCell(const std::string& section) {
   return ParseCell(std::string(kCellHead) + R"(  stack:
     - {name: cutter, class: cutter, length_mm: 60, diameter_mm: 20}
 bodies:
@@ -28,7 +28,7 @@ constexpr const char* kFanuc =
     "0, 0, 0, 0]}]";
 
 TEST(Couplings, AreAddedToTheControllersOwnCounts) {
-  const PostOptions options = With(kFanuc).controllers.at("linuxcnc").shared;
+  const PostOptions options = CoupledCell(kFanuc).controllers.at("linuxcnc").shared;
   const AxisConvention alone = options.UncoupledAxes(), axes = options.Axes();
   RandomStream random(1, 0);
   for (int k = 0; k < 50; ++k) {
@@ -46,20 +46,20 @@ TEST(Couplings, AreWrittenAsTheyWereGiven) {
   for (const std::string& section : {std::string(kFanuc), std::string("axis_couplings: []"),
                                      std::string("axis_couplings: [{axis: 2, factors: [0.5, 0, 0, 0, 0, 0]}, "
                                                  "{axis: 6, factors: [0, 0, 0, 0, -0.1, 0]}]")}) {
-    const std::string written = WriteCell(With(section));
+    const std::string written = WriteCell(CoupledCell(section));
     EXPECT_NE(written.find("axis_couplings:"), std::string::npos) << written;
     const CellSettings again = ParseCell(written, "written");
     EXPECT_EQ(WriteCell(again), written);
     EXPECT_EQ(again.controllers.at("linuxcnc").shared.Axes().matrix(),
-              With(section).controllers.at("linuxcnc").shared.Axes().matrix());
+              CoupledCell(section).controllers.at("linuxcnc").shared.Axes().matrix());
   }
-  EXPECT_EQ(WriteCell(With("")).find("axis_couplings"), std::string::npos);
+  EXPECT_EQ(WriteCell(CoupledCell("")).find("axis_couplings"), std::string::npos);
 }
 
 TEST(Couplings, SlipsAreNamedWithTheirPlace) {
   const auto expect = [](const std::string& couplings, const std::string& place, const std::string& message) {
     try {
-      With("axis_couplings: " + couplings);
+      CoupledCell("axis_couplings: " + couplings);
       ADD_FAILURE() << "accepted: " << couplings;
     } catch (const InputError& error) {
       ASSERT_EQ(error.problems().size(), 1u) << error.what();

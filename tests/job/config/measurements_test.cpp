@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/random.hpp"
+#include "base/yaml/edit.hpp"
 #include "job/config/config.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/base/source_dir.hpp"
@@ -128,6 +129,55 @@ TEST(ReplaceJointStiffness, ChangesItsKeysAndNothingElse) {
 TEST(ReplaceJointStiffness, ACellWithoutTheKeyIsRefused) {
   EXPECT_EQ(RefusalOf([] { ReplaceJointStiffness("millpose_cell: 1\narm: {name: a}\n", "c.yaml", {}); }),
             "c.yaml: arm.joint_stiffness_Nm_per_rad is missing");
+}
+
+ComplianceSettings Tilting(int link, double compliance) {
+  ComplianceSettings one;
+  one.name = fmt::format("tilting of link {}", link);
+  one.link = link;
+  one.rotational.z() = compliance;
+  return one;
+}
+
+TEST(ReplaceCompliances, WhatWasFoundReadsBackAndGoesAgain) {
+  const std::string before = CellText();
+  const std::string after =
+      ReplaceCompliances(before, "cell.yaml", {Tilting(3, 1.23456e-13), Tilting(2, 7e-12)});
+  const std::vector<ComplianceSettings> read = ParseCell(after, "cell.yaml").compliances;
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[0].name, "identified tilting of link 3");
+  EXPECT_EQ(read[0].link, 3);
+  EXPECT_NEAR(read[0].rotational.z(), 1.23e-13, 1e-27);
+  EXPECT_EQ(ReplaceCompliances(after, "cell.yaml", {Tilting(3, 1.23456e-13), Tilting(2, 7e-12)}), after);
+  EXPECT_TRUE(ParseCell(ReplaceCompliances(after, "cell.yaml", {}), "cell.yaml").compliances.empty());
+}
+
+TEST(ReplaceCompliances, ThoseOfOtherOriginStandAloneWhereOnlyJointsAreFound) {
+  std::string cell = CellText();
+  const std::string own =
+      yaml::WithKey(cell, "cell.yaml", "stiffness", "compliances",
+                    "[{name: spindle, mount: link6, translational_mm_N: [1e-6, 1e-6, 0]}]");
+  EXPECT_EQ(ReplaceCompliances(own, "cell.yaml", {}), own);
+  const std::string refusal = RefusalOf([&] { ReplaceCompliances(own, "cell.yaml", {Tilting(3, 1e-12)}); });
+  EXPECT_NE(refusal.find("--springs"), std::string::npos) << refusal;
+}
+
+TEST(ReplaceDeviations, WhatItWritesIsReadBackAndWhatNobodyReadsIsNotWritten) {
+  DeviationSettings found;
+  found.shifts.assign(7, Eigen::Vector3d(0.25, -0.125, 0));
+  found.turns.assign(7, Eigen::Vector3d(0, 1e-3, -3e-4));
+  found.uncertainty = 0.08;
+  found.source = "a file \"x: y\" # of 60";
+  found.date = "2026-11-26";
+  const std::string after = ReplaceDeviations(CellText(), "cell.yaml", found, "88: 2");
+  const CellSettings read = ParseCell(after, "cell.yaml");
+  EXPECT_EQ(read.arm.serial, "88: 2");
+  EXPECT_EQ(read.arm.deviations->source, found.source);
+  EXPECT_TRUE(read.arm.deviations->turns[3].isApprox(found.turns[3], 1e-15));
+  found.date = "yesterday";
+  EXPECT_NE(
+      RefusalOf([&] { ReplaceDeviations(CellText(), "cell.yaml", found, "1"); }).find("given yesterday"),
+      std::string::npos);
 }
 
 }  // namespace

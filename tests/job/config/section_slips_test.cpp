@@ -8,7 +8,7 @@
 namespace millpose {
 namespace {
 
-constexpr const char* kJob = R"(millpose_job: 1
+constexpr const char* kSlipJob = R"(millpose_job: 1
 name: part
 cell: cell.yaml
 workpiece: {mesh: part.stl, unit: mm, pose: {xyz_mm: [1, 2, 3]}}
@@ -19,7 +19,7 @@ toolpath:
 <toolpath>process: {feed_mm_min: 80, spindle_rpm: 7000}
 <job>)";
 
-const std::string kCell =
+const std::string kSlipCell =
     std::string(kCellHead) + R"(  stack: [{name: cutter, class: cutter, length_mm: 60, diameter_mm: 20}]
 external_axes:
 <axes>bodies:
@@ -36,10 +36,10 @@ std::string Filled(std::string text, const std::vector<std::pair<std::string, st
 }
 
 std::string JobWith(const std::string& toolpath, const std::string& job = "") {
-  return Filled(kJob, {{"<toolpath>", toolpath}, {"<job>", job}});
+  return Filled(kSlipJob, {{"<toolpath>", toolpath}, {"<job>", job}});
 }
 std::string CellWith(const std::string& axes, const std::string& bodies = "") {
-  return Filled(kCell, {{"<axes>", axes}, {"<bodies>", bodies}});
+  return Filled(kSlipCell, {{"<axes>", axes}, {"<bodies>", bodies}});
 }
 
 /// Refused in one sentence that begins with `message`, at the mark.

@@ -175,6 +175,8 @@ TEST(SurfaceError, CountsTheWallOrTheLongestDisplacement) {
 
 TEST(Objectives, RefuseWhatMakesNoSense) {
   EXPECT_THROW(MakeObjective("surface_error", {{"force_direction_deg", 91}}), InputError);
+  for (const double index : {-1.0, 0.5, 3.0})
+    EXPECT_THROW(MakeObjective("surface_error", {{"direction", index}}), InputError) << index;
   EXPECT_THROW(MakeObjective("chen2021", {{"reference_n", 1e-4}}), InputError);
   EXPECT_THROW(MakeObjective("drilling", {{"w1", 1}}), InputError);
 }

@@ -30,7 +30,7 @@ class Posts {
   test::TestFolder folder_;
 };
 
-std::string Box(double x, double y, double z, double size = 100) {
+std::string BoxStl(double x, double y, double z, double size = 100) {
   return fmt::format("shape: {{box: {{size_mm: [{0}, {0}, {0}]}}}}, pose: {{xyz_mm: [{1}, {2}, {3}]}}", size,
                      x, y, z);
 }
@@ -38,23 +38,23 @@ std::string Box(double x, double y, double z, double size = 100) {
 TEST(KeptPass, AMovedFixtureCostsOnlyThePassesItMatters) {
   Posts posts;
   const test::MemoryCheckpoints kept;
-  const PlannedJob first = posts.Plan(Box(-3000, 0, 50), kept);
+  const PlannedJob first = posts.Plan(BoxStl(-3000, 0, 50), kept);
   ASSERT_EQ(first.resumed_passes, 0);
   const size_t passes = first.plan.passes.size();
 
-  const PlannedJob far = posts.Plan(Box(-3000, 1500, 50), kept);
+  const PlannedJob far = posts.Plan(BoxStl(-3000, 1500, 50), kept);
   EXPECT_EQ(far.resumed_passes, passes);
   EXPECT_EQ(far.resumed_gaps, far.plan.gaps.size());
-  EXPECT_EQ(test::BytesOf(far), test::BytesOf(posts.Plan(Box(-3000, 1500, 50), NoCheckpoints())));
+  EXPECT_EQ(test::BytesOf(far), test::BytesOf(posts.Plan(BoxStl(-3000, 1500, 50), NoCheckpoints())));
 
   const Eigen::Vector3d tip = first.plan.passes[0].points[0].point.position;
-  const std::string near = Box(tip.x() - 150, tip.y(), tip.z() + 260);
+  const std::string near = BoxStl(tip.x() - 150, tip.y(), tip.z() + 260);
   const PlannedJob close = posts.Plan(near, kept);
   EXPECT_EQ(close.resumed_passes, 0);
   EXPECT_EQ(test::BytesOf(close), test::BytesOf(posts.Plan(near, NoCheckpoints())));
 
   // From where it was told of: whatever it stood in the way of is free now.
-  const PlannedJob away = posts.Plan(Box(-3000, 0, 50), kept);
+  const PlannedJob away = posts.Plan(BoxStl(-3000, 0, 50), kept);
   EXPECT_EQ(away.resumed_passes, 0);
   EXPECT_EQ(test::BytesOf(away), test::BytesOf(first));
 }
@@ -63,9 +63,9 @@ TEST(KeptPass, AMovedFixtureCostsOnlyThePassesItMatters) {
 TEST(KeptPass, WhatFollowsFromAllPassesIsKeptAsWell) {
   Posts posts;
   const test::MemoryCheckpoints kept;
-  const PlannedJob first = posts.Plan(Box(-3000, 0, 50), kept);
+  const PlannedJob first = posts.Plan(BoxStl(-3000, 0, 50), kept);
   const auto before = kept.stages;
-  const std::string far = Box(-3000, 1500, 50);
+  const std::string far = BoxStl(-3000, 1500, 50);
   const PlannedJob again = posts.Plan(far, kept);
   for (const std::string stage : {"ends", "fixed", "programs-linuxcnc"})
     EXPECT_EQ(kept.stages.at(stage), before.at(stage)) << stage;
@@ -83,7 +83,7 @@ TEST(KeptPass, AProgramIsVerifiedAgainWhereAMovedFixtureMayMatterToIt) {
   for (const bool dry : {true, false}) {
     const std::vector<Override> overrides{{"program_options.dry_run_offset_mm", dry ? "100" : "0"}};
     const test::MemoryCheckpoints kept;
-    const PlannedJob first = posts.Plan(Box(-3000, 0, 50), kept, overrides);
+    const PlannedJob first = posts.Plan(BoxStl(-3000, 0, 50), kept, overrides);
     const auto before = kept.stages.at("programs-linuxcnc");
     const auto is_made_again = [&] {
       const PlannedJob again = posts.Plan(near, kept, overrides);
@@ -100,7 +100,7 @@ TEST(KeptPass, AProgramIsVerifiedAgainWhereAMovedFixtureMayMatterToIt) {
     double beside = 700;
     do {
       beside -= 50;
-      near = Box(flange.x() - 300, flange.y() - beside, flange.z(), 20);
+      near = BoxStl(flange.x() - 300, flange.y() - beside, flange.z(), 20);
     } while (!is_made_again() && beside > 0);
     EXPECT_GT(beside, 300);
     EXPECT_TRUE(test::BytesOf(posts.Plan(near, kept, overrides)) ==
@@ -111,9 +111,9 @@ TEST(KeptPass, AProgramIsVerifiedAgainWhereAMovedFixtureMayMatterToIt) {
 TEST(KeptPass, AnotherShapeIsAChange) {
   Posts posts;
   const test::MemoryCheckpoints kept;
-  posts.Plan(Box(-3000, 0, 50), kept);
-  EXPECT_EQ(posts.Plan(Box(-3000, 0, 50, 120), kept).resumed_passes, 2);
-  EXPECT_EQ(posts.Plan(Box(-3000, 0, 50, 8000), kept).resumed_passes, 0);
+  posts.Plan(BoxStl(-3000, 0, 50), kept);
+  EXPECT_EQ(posts.Plan(BoxStl(-3000, 0, 50, 120), kept).resumed_passes, 2);
+  EXPECT_EQ(posts.Plan(BoxStl(-3000, 0, 50, 8000), kept).resumed_passes, 0);
 }
 
 // What is there, and what it is called, is part of the question; where it stands is part of the answer.

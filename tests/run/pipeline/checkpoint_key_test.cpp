@@ -49,7 +49,7 @@ TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {
   static_assert(CountFields<Body>() == 7);
 }
 
-PoseProblem Problem(const ObjectiveParameters& parameters) {
+PoseProblem ProblemWith(const ObjectiveParameters& parameters) {
   PoseProblem problem;
   problem.freedoms.push_back(RotationAboutTool());
   problem.objective = MakeObjective("process_force", parameters);
@@ -58,9 +58,9 @@ PoseProblem Problem(const ObjectiveParameters& parameters) {
 
 TEST(CheckpointKey, AForceThatTheObjectiveIsMadeWithCounts) {
   const World world{Cell{}};
-  const std::string one = PassContext(Problem({{"feed_N", 10}}), world, {});
-  EXPECT_EQ(PassContext(Problem({{"feed_N", 10}}), world, {}), one);
-  EXPECT_NE(PassContext(Problem({{"feed_N", 11}}), world, {}), one);
+  const std::string one = PassContext(ProblemWith({{"feed_N", 10}}), world, {});
+  EXPECT_EQ(PassContext(ProblemWith({{"feed_N", 10}}), world, {}), one);
+  EXPECT_NE(PassContext(ProblemWith({{"feed_N", 11}}), world, {}), one);
 }
 
 TEST(CheckpointKey, WhateverElseAFreedomDependsOnCounts) {
@@ -77,7 +77,7 @@ TEST(CheckpointKey, WhateverElseAFreedomDependsOnCounts) {
     double by_;
   };
   const auto key = [](double by) {
-    PoseProblem problem = Problem({{"feed_N", 10}});
+    PoseProblem problem = ProblemWith({{"feed_N", 10}});
     problem.freedoms.push_back(std::make_shared<Steered>(by));
     return PassContext(problem, World{Cell{}}, {});
   };
@@ -86,7 +86,7 @@ TEST(CheckpointKey, WhateverElseAFreedomDependsOnCounts) {
 }
 
 TEST(CheckpointKey, WhateverAPassOrAGapIsHandedCounts) {
-  const PoseProblem problem = Problem({{"feed_N", 10}});
+  const PoseProblem problem = ProblemWith({{"feed_N", 10}});
   Cell cell;
   cell.bodies.push_back({"link", BodyClass::kLink, Mount::kLink, 3, Pose::Identity(), Sphere{5}});
   const std::string pass = PassContext(problem, World(cell), {}), gap = LinkMoveContext(World(cell), {});

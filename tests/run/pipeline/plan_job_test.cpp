@@ -113,7 +113,8 @@ TEST(PlanJob, ProgramsAreConfirmedAndEachPieceHasItsStart) {
 TEST(PlanJob, ThreadsDoNotChangeAByte) {
   const JobInputs inputs = SmallInputs();
   for (const int threads : {1, 4})
-    EXPECT_EQ(BytesOf(PlanJob(inputs, NoCheckpoints(), {.threads = threads})), BytesOf(FreshPlan()))
+    EXPECT_EQ(test::BytesOf(PlanJob(inputs, NoCheckpoints(), {.threads = threads})),
+              test::BytesOf(FreshPlan()))
         << threads;
 }
 
@@ -122,14 +123,14 @@ TEST(PlanJob, CheckpointsChangeWhatIsDoneAndNothingElse) {
   const MemoryCheckpoints kept;
   const PlannedJob first = PlanJob(inputs, kept, {.threads = 2});
   EXPECT_EQ(first.resumed_passes + first.resumed_gaps, 0u);
-  EXPECT_EQ(BytesOf(first), BytesOf(FreshPlan()));
+  EXPECT_EQ(test::BytesOf(first), test::BytesOf(FreshPlan()));
   const int writes = kept.writes;
   EXPECT_GE(writes, 5);
   const PlannedJob second = PlanJob(inputs, kept, {.threads = 2});
   EXPECT_EQ(second.resumed_passes, second.plan.passes.size());
   EXPECT_EQ(second.resumed_gaps, second.plan.gaps.size());
   EXPECT_EQ(kept.writes, writes);
-  EXPECT_EQ(BytesOf(second), BytesOf(FreshPlan()));
+  EXPECT_EQ(test::BytesOf(second), test::BytesOf(FreshPlan()));
 }
 
 // Cut off, of another pass, of another kind, no plan at all: each is as good as none.
@@ -143,7 +144,7 @@ TEST(PlanJob, CheckpointsThatAreNotWhatTheySayAreNotUsed) {
     damage(kept);
     const PlannedJob job = PlanJob(inputs, kept, {.threads = 2});
     EXPECT_EQ(job.resumed_passes + job.resumed_gaps, 0u);
-    EXPECT_EQ(BytesOf(job), BytesOf(FreshPlan()));
+    EXPECT_EQ(test::BytesOf(job), test::BytesOf(FreshPlan()));
     EXPECT_EQ(kept.kept, sound.kept) << "what is planned anew takes its place";
   };
   with([](MemoryCheckpoints& kept) {
@@ -164,7 +165,7 @@ TEST(PlanJob, SharesOfSeveralMachinesMakeTheSamePlan) {
   const PlannedJob job = PlanJob(inputs, kept, {.threads = 2});
   EXPECT_EQ(job.resumed_passes, 2u);
   EXPECT_EQ(job.resumed_gaps, 0u);
-  EXPECT_EQ(BytesOf(job), BytesOf(FreshPlan()));
+  EXPECT_EQ(test::BytesOf(job), test::BytesOf(FreshPlan()));
   EXPECT_TRUE((Share{0, 2}).Has(4) && !(Share{1, 2}).Has(4) && Share{}.Has(7));
 }
 
@@ -215,7 +216,7 @@ TEST(PlanJob, WhatIsFinishedWhenItIsStoppedIsNotPlannedAgain) {
     EXPECT_THROW(PlanJob(inputs, kept, {1, watching, watching.source.get_token()}), Interrupted) << stage;
     EXPECT_GE(kept.writes, 1) << stage;
     const PlannedJob job = PlanJob(inputs, kept, {.threads = 2});
-    EXPECT_EQ(BytesOf(job), BytesOf(FreshPlan()));
+    EXPECT_EQ(test::BytesOf(job), test::BytesOf(FreshPlan()));
     EXPECT_GE(job.resumed_passes + job.resumed_gaps, 1u) << stage;
   }
 }

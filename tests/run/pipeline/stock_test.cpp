@@ -16,7 +16,7 @@ PlannedJob PlanWith(const std::string& stock, std::vector<Override> more = {}) {
   return PlanJob(SmallInputs(std::move(more)), NoCheckpoints(), {.threads = 2});
 }
 
-std::string Box(double top, double half = 60) {
+std::string StockBoxStl(double top, double half = 60) {
   return fmt::format("{{box: {{lower_mm: [{0}, {0}, -20], upper_mm: [{1}, {1}, {2}]}}}}", -half, half, top);
 }
 
@@ -30,7 +30,7 @@ size_t CountOf(const PlanResult& plan, Infeasibility why) {
 // Two passes 40 mm apart along the whole pad: two slots 20 mm wide, 3 mm deep, each with half a disc at its
 // ends.
 TEST(StockOfAJob, IsMilledAway) {
-  const PlannedJob job = PlanWith(Box(3));
+  const PlannedJob job = PlanWith(StockBoxStl(3));
   EXPECT_EQ(CountOf(job.plan, Infeasibility::kStock), 0u);
   ASSERT_TRUE(job.stock);
   EXPECT_NEAR(job.stock->blank, 120 * 120 * 23, 0.01 * 120 * 120 * 23);
@@ -42,7 +42,7 @@ TEST(StockOfAJob, IsMilledAway) {
 
 // 75 mm over the face: the holder would go down into it with the first point.
 TEST(StockOfAJob, NothingIsMilledWhereTheHolderWouldMeetIt) {
-  const PlannedJob job = PlanWith(Box(75));
+  const PlannedJob job = PlanWith(StockBoxStl(75));
   EXPECT_EQ(CountOf(job.plan, Infeasibility::kStock), 6u);
   EXPECT_EQ(job.stock->removed, 0);
   EXPECT_EQ(job.stock->left_out, 2);
@@ -53,8 +53,8 @@ TEST(StockOfAJob, NothingIsMilledWhereTheHolderWouldMeetIt) {
 
 // Between the cutting length, 40 mm, and the holder the shank would rub; below it nothing is met.
 TEST(StockOfAJob, TheShankCutsNothing) {
-  EXPECT_EQ(PlanWith(Box(39)).stock->left_out, 0);
-  const PlannedJob deep = PlanWith(Box(50));
+  EXPECT_EQ(PlanWith(StockBoxStl(39)).stock->left_out, 0);
+  const PlannedJob deep = PlanWith(StockBoxStl(50));
   EXPECT_EQ(deep.stock->left_out, 2);
   const std::string& why = deep.plan.passes.front().points.front().detail;
   EXPECT_EQ(why.find("cutter's shank"), 0u) << why;
@@ -65,7 +65,7 @@ TEST(StockOfAJob, LayersMakeRoomForTheNext) {
   const std::vector<Override> layers{{"toolpath.depth", "{total_mm: 50, per_layer_mm: 25}"},
                                      {"toolpath.stepover_mm", "8"},
                                      {"process.cutting", "{material: 5A06, teeth: 4}"}};
-  const PlannedJob job = PlanWith(Box(50, 39), layers);
+  const PlannedJob job = PlanWith(StockBoxStl(50, 39), layers);
   EXPECT_EQ(CountOf(job.plan, Infeasibility::kStock), 0u) << job.plan.passes.back().points.front().detail;
   EXPECT_NEAR(job.stock->removed, 78 * 78 * 50, 0.02 * 78 * 78 * 50);
 }

@@ -134,7 +134,14 @@ void SurfaceError::Along(const Eigen::Vector3d& n, const ComplianceBlock& c, con
 ObjectiveEntry EntryOf(const char* name, bool judges_face) {
   std::vector<ParameterRule> parameters{{"force_uncertainty_percent", 30, 0}, {"force_direction_deg", 20, 0}};
   // Gears' lost motion is judged along the normal alone.
-  if (!judges_face) parameters.push_back({"direction", kNormal, 0, {"normal", "wall", "any"}});
+  if (!judges_face)
+    parameters.push_back(
+        {"direction",
+         kNormal,
+         0,
+         {"normal", "wall", "any"},
+         "Of surface_error: which part of the displacement counts: along the surface normal (the "
+         "default), across the feed and the tool's axis (the side of a wall), or all of it."});
   return {.name = name,
           .parameters = std::move(parameters),
           .make = [name, judges_face](

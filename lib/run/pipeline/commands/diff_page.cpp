@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kStyle = R"html(td { white-space: normal; overflow-wrap: anywhere; }
+constexpr const char* kDiffStyle = R"html(td { white-space: normal; overflow-wrap: anywhere; }
 td.of { white-space: nowrap; color: var(--muted); }
 th.n, td.n { white-space: nowrap; }
 p { margin: 0 0 10px; color: var(--muted); }
@@ -48,7 +48,7 @@ std::string Row(const Change& change, bool fails, bool operations) {
 
 std::string DiffPage(const DiffArguments& arguments, const std::vector<Change>& changes,
                      const std::vector<bool>& fails, const fs::path& page) {
-  std::string html = TablePageHead("millpose diff", kStyle);
+  std::string html = TablePageHead("millpose diff", kDiffStyle);
   html +=
       fmt::format("<h1>{} &rarr; {}</h1>\n", LinkTo(arguments.before, page), LinkTo(arguments.after, page));
   const auto broken = std::ranges::count(fails, true);

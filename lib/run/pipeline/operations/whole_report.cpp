@@ -29,7 +29,7 @@ std::vector<ToldOperation> Told(const std::vector<DoneOperation>& operations) {
   return {operations.begin(), operations.end()};
 }
 
-constexpr const char* kStyle = R"html(body { min-height: 100vh; display: flex; flex-direction: column; }
+constexpr const char* kWholeStyle = R"html(body { min-height: 100vh; display: flex; flex-direction: column; }
 ul { margin: 0 0 10px; padding-left: 18px; }
 [role=tablist] { display: flex; flex-wrap: wrap; gap: 4px; }
 [role=tab] { font: inherit; color: var(--ink); background: var(--card); border: 1px solid var(--line); border-bottom: 0; border-radius: 5px 5px 0 0; padding: 6px 12px; cursor: pointer; }
@@ -211,7 +211,7 @@ std::string WholePoints(const std::vector<DoneOperation>& all) {
 std::string WholeReport(const std::string& job, const std::vector<DoneOperation>& all,
                         const std::vector<WholeProgram>& programs) {
   const std::vector<ToldOperation> operations = Told(all);
-  std::string html = TablePageHead(job + " — millpose", kStyle) + "<h1>" + Escaped(job) +
+  std::string html = TablePageHead(job + " — millpose", kWholeStyle) + "<h1>" + Escaped(job) +
                      "</h1>\n<div class=\"scroll\"><table>\n<thead><tr>"
                      "<th>operation</th><th>tool</th><th class=\"n\">points</th><th class=\"n\">planned</th>"
                      "<th>objective</th><th class=\"n\">worst</th><th class=\"n\">least distance, mm</th>";

@@ -3,7 +3,6 @@
 
 #include "base/error.hpp"
 #include "job/assemble.hpp"
-#include "job/geometry_error.hpp"
 #include "planning/face/fixed_plan.hpp"
 #include "run/pipeline/outputs/write_results.hpp"
 #include "toolpath/strategy.hpp"

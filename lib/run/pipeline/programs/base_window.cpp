@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::array<double, 3> kShares = {1, 0.5, 0.25};  // of the asked window that are tried
 constexpr int kCorners = 16;
-constexpr double kSameTurn = 0.5;  // rad: a start farther from the planned one has another configuration
+constexpr double kSameConfiguration =
+    0.5;  // rad: a start farther from the planned one has another configuration
 
 /// Corner number `i` of a window: signs of the shifts along and the turns about X, Y, Z. Of the 64 corners of
 /// the six-dimensional window 16 are taken so that any three of the six stand in all their combinations (the
@@ -47,7 +48,7 @@ std::string WhatBars(const MotionProgram& planned, const Cell& cell, const Pose&
     const auto q = AnglesAt(cell.arm, program.axes, *FrameOf(program, motion) * motion.X_PT * X_TF,
                             *motion.status, *motion.turn);
     if (!q) return fmt::format("the start of pass {} is out of reach", motion.pass);
-    if ((*q - *motion.q).cwiseAbs().maxCoeff() > kSameTurn)
+    if ((*q - *motion.q).cwiseAbs().maxCoeff() > kSameConfiguration)
       return fmt::format("S and T of the start of pass {} lead to another joint position", motion.pass);
     motion.q = *q;
   }

@@ -19,7 +19,7 @@ namespace {
 
 constexpr size_t kMostMixed = 100;  // candidates of a pass that are mixed with any of its neighbours
 constexpr int kSequences = 300;     // looked at, one after the other, until one is free
-constexpr double kRounding = 1 + 1e-9;
+constexpr double kSameHeight = 1 + 1e-9;
 // Of the largest displacement: a little less of it would be paid for by displacements that vary along passes,
 // and of the marks.
 constexpr double kWorthLowering = 0.85, kWorthTurning = 0.99;
@@ -212,7 +212,7 @@ class FacesOfJob {
     std::vector<size_t> beyond;
     for (size_t i = first_; i < passes_.size(); ++i) {
       const double worst = WorstOf(*Now(i).face);
-      if (worst > before * kRounding) beyond.push_back(i);
+      if (worst > before * kSameHeight) beyond.push_back(i);
       options_.limit = std::max(options_.limit, worst);
     }
     Each(beyond, [&](size_t i) {
@@ -224,7 +224,7 @@ class FacesOfJob {
     });
   }
 
-  bool Holds(const PlannedFace& planned) const { return WorstOf(planned) <= options_.limit * kRounding; }
+  bool Holds(const PlannedFace& planned) const { return WorstOf(planned) <= options_.limit * kSameHeight; }
 
   /// Turns passes that leave marks and need not from their other end.
   void LowerMarks() {

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/pipeline/commands/setup_of_folder.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "base/angles.hpp"
+#include "base/error.hpp"
+#include "base/folder.hpp"
+#include "base/units.hpp"
+#include "job/assemble.hpp"
+#include "job/first_run.hpp"
+#include "job/step_meshes.hpp"
+#include "job/workpiece.hpp"
+#include "planning/result/cycle_time.hpp"
+#include "planning/result/station.hpp"
+#include "report/setup_picture.hpp"
+#include "report/setup_sheet.hpp"
+#include "report/view_mesh.hpp"
+#include "run/pipeline/operations/done_operation.hpp"
+#include "store/output_folder.hpp"
+#include "store/read_whole.hpp"
+
+namespace millpose {
+namespace {
+
+namespace fs = std::filesystem;
+using JsonTree = nlohmann::json;
+using Eigen::Vector3d;
+
+/// One operation, or the job where it has none.
+struct Operation {
+  std::string name, folder;
+  PlanResult plan;
+  JobInputs inputs;
+  JsonTree summary;
+  std::string job, cell;  ///< as resolved, YAML
+};
+
+/// `below`: of the job's output folder; empty where that holds the one plan.
+Operation ReadOne(const SetupArguments& arguments, const std::string& below) {
+  Operation read;
+  read.folder = below;
+  const fs::path folder = below.empty() ? arguments.plan : arguments.plan / below;
+  arguments.root.CheckFolder(folder);
+  ReadWhole(folder, [&] {
+    const Folder open(folder);
+    const fs::path plan_file = folder / kPlanFile;
+    read.plan = ParsePlanResult(open.Read(kPlanFile), plan_file.string());
+    read.summary = JsonTree::parse(open.Read("summary.json"), nullptr, false);
+    read.job = open.Read("job.yaml");
+    read.cell = open.Read("cell.yaml");
+    std::optional<fs::path> origin;
+    if (arguments.job) origin = fs::absolute(*arguments.job).parent_path();
+    read.inputs = LoadJobInputs(folder / "job.yaml", {}, origin, arguments.root);
+    TakeCachedMeshes(folder, &read.inputs);
+  });
+  read.name = below.empty() ? read.plan.job : read.inputs.job.operation;
+  return read;
+}
+
+/// Three numbers to `digits` decimals; no -0.
+std::string Three(const Vector3d& v, int digits) {
+  const double scale = digits == 2 ? 100 : 1000;
+  const auto rounded = [&](double x) { return std::round(x * scale) / scale + 0.0; };
+  return fmt::format("{0:.{3}f}, {1:.{3}f}, {2:.{3}f}", rounded(v.x()), rounded(v.y()), rounded(v.z()),
+                     digits);
+}
+std::string Place(const Vector3d& p) { return Three(p, 2); }
+std::string Turned(const Pose& X) { return Three(kDegPerRad * AnglesZyx(X.linear()), 3); }
+
+/// A key of the summary as words.
+std::string Words(std::string key) {
+  std::ranges::replace(key, '_', ' ');
+  return key;
+}
+
+SheetSection SummaryOf(const std::vector<Operation>& operations) {
+  SheetSection section{.title = "Summary"};
+  section.table.columns = {"operation",          "tool",           "milled", "cycle, h:min:s",
+                           "least distance, mm", "face off by, µm"};
+  for (const Operation& one : operations) {
+    const JsonTree& points = one.summary.at("points");
+    std::vector<std::string> times;
+    for (const JsonTree& time : one.summary.at("cycle_times"))
+      times.push_back(fmt::format("{} {}", ClockText(time.at("total_s").get<double>()),
+                                  time.at("controller").get<std::string>()));
+    const JsonTree& clearance = one.summary.at("clearance_min_mm");
+    const double sum = one.summary.at("budget").at("sum_um").get<double>();  // 0 where no face is cut
+    section.table.rows.push_back(
+        {one.name, one.inputs.cell.tool.name,
+         fmt::format("{} of {} points in {} passes", points.at("planned").get<size_t>(),
+                     points.at("total").get<size_t>(), one.plan.passes.size()),
+         fmt::format("{}", fmt::join(times, "; ")),
+         clearance.is_number() ? fmt::format("{:.1f}", clearance.get<double>()) : "-",
+         sum > 0 ? fmt::format("{:.3g}", sum) : "-"});
+  }
+  return section;
+}
+
+/// Sentences of the summaries, those of operations with their names; each once.
+SheetSection Sentences(const std::vector<Operation>& operations, const char* key, const char* title) {
+  SheetSection section{.title = title};
+  for (const Operation& one : operations)
+    for (const JsonTree& sentence : one.summary.at(key)) {
+      const std::string text = sentence.get<std::string>();
+      section.list.push_back(operations.size() > 1 ? one.name + ": " + text : text);
+    }
+  return section;
+}
+
+SheetSection Sources(const std::vector<Operation>& operations) {
+  SheetSection section{.title = "What the face may be off by"};
+  section.note =
+      "Along its normal, source by source, each at its largest; what is not stated is not in the sum.";
+  section.table.columns = {"operation", "source", "µm", "what the figure is of"};
+  for (const Operation& one : operations)
+    for (const JsonTree& row : one.summary.at("budget").at("rows"))
+      section.table.rows.push_back(
+          {one.name, Words(row.at("source").get<std::string>()),
+           row.at("um").is_number() ? fmt::format("{:.3g}", row.at("um").get<double>()) : "not stated",
+           row.at("basis").get<std::string>()});
+  return section;
+}
+
+SheetSection Datum(const Operation& first) {
+  const JobSettings& job = first.inputs.job;
+  const PlanResult& plan = first.plan;
+  SheetSection section{.title = "Datum"};
+  const char* frame = job.workpiece.frame == GivenFrame::kWorld ? "the cell" : "the robot's base";
+  const Pose X_BP = plan.X_WB.inverse() * plan.X_WP;
+  section.table.columns = {"frame", "in", "X, Y, Z, mm", "A, B, C (Z, Y', X''), deg"};
+  section.table.rows = {{"part", "the robot's base", Place(X_BP.translation()), Turned(X_BP)},
+                        {"part", "the cell", Place(plan.X_WP.translation()), Turned(plan.X_WP)},
+                        {"robot's base", "the cell", Place(plan.X_WB.translation()), Turned(plan.X_WB)}};
+  if (!plan.external_axes.empty()) section.note = "With all external axes at 0. ";
+  if (!job.workpiece.targets.empty()) {
+    section.note += fmt::format("Measured by {} targets, given in {}: ", job.workpiece.targets.size(), frame);
+    std::vector<std::string> targets;
+    for (const TargetSettings& target : job.workpiece.targets)
+      targets.push_back("(" + Place(target.nominal) + ")");
+    section.note += fmt::format("{} mm on the part.", fmt::join(targets, ", "));
+  } else if (job.workpiece.registered) {
+    const JsonTree& known =
+        first.summary.contains("registration") ? first.summary.at("registration") : JsonTree();
+    section.note += "Registered by probed points";
+    if (known.is_object())
+      section.note += fmt::format("; for that the face may be off by {:.3g} µm (95 %)",
+                                  known.at("face_um_95").get<double>());
+    section.note += ".";
+  } else {
+    section.note += fmt::format(
+        "The pose is the job's own, given in {}: nobody has measured it. `millpose register` does.", frame);
+    std::erase(section.note, '`');
+  }
+  return section;
+}
+
+/// Tools in the order in which they are asked for, each once.
+SheetSection ToolsOf(const std::vector<Operation>& operations) {
+  SheetSection section{.title = "Tools"};
+  section.table.columns = {"tool",           "number",       "cutter, mm", "tip in the flange, mm",
+                           "spindle, 1/min", "feed, mm/min", "load, kg",   "tip known to, mm"};
+  std::set<std::string> told;
+  for (const Operation& one : operations) {
+    const ToolSettings& tool = one.inputs.cell.tool;
+    if (!told.insert(tool.name).second) continue;
+    std::string cutter =
+        fmt::format("{} Ø {:.6g}", WordOf(kCutterTipWords, tool.cutter_tip), tool.cutter_diameter);
+    if (tool.cutter_tip == CutterTip::kBull) cutter += fmt::format(", r {:.6g}", tool.corner_radius);
+    cutter += fmt::format(", cuts on {:.6g}", tool.cutting_length);
+    const double turns =
+        60 * (one.plan.spindle_speed > 0 ? one.plan.spindle_speed : one.inputs.job.spindle_speed);
+    section.table.rows.push_back(
+        {tool.name, tool.number ? std::to_string(*tool.number) : "-", cutter, Place(tool.tip),
+         turns > 0 ? fmt::format("{:.6g}", turns) : "not stated",
+         fmt::format("{:.6g}", 60 * one.inputs.job.feed),
+         tool.load ? fmt::format("{:.6g}", tool.load->mass) : "not stated",
+         tool.tip_uncertainty ? fmt::format("{:.3g}", *tool.tip_uncertainty) : "not stated"});
+  }
+  return section;
+}
+
+SheetSection AxisPositions(const std::vector<Operation>& operations) {
+  SheetSection section{.title = "External axes"};
+  section.table.columns = {"operation", "passes", "stand at"};
+  for (const Operation& one : operations) {
+    if (one.plan.external_axes.empty()) continue;
+    // Neighbouring passes at one station share a row.
+    for (size_t p = 0; p < one.plan.passes.size();) {
+      size_t end = p + 1;
+      while (end < one.plan.passes.size() && one.plan.passes[end].external == one.plan.passes[p].external)
+        ++end;
+      section.table.rows.push_back({one.name,
+                                    end == p + 1 ? fmt::format("{}", p) : fmt::format("{} to {}", p, end - 1),
+                                    PositionText(one.plan.external_axes, one.plan.passes[p].external)});
+      p = end;
+    }
+  }
+  return section;
+}
+
+/// What stands in the cell beside arm and tool, in the robot's base.
+SheetSection Holding(const Cell& cell) {
+  SheetSection section{.title = "What stands around the part"};
+  section.note =
+      "Bodies that the plan keeps clear of; where the middle of each stands, as seen from the robot's base.";
+  section.table.columns = {"body", "kind", "X, Y, Z, mm", "size, mm"};
+  const Pose X_BW = cell.X_WB.inverse();
+  for (const Body& body : cell.bodies) {
+    if (body.mount == Mount::kLink || body.mount == Mount::kTool || body.body_class == BodyClass::kWorkpiece)
+      continue;
+    Eigen::AlignedBox3d own;
+    for (const Vector3d& p : ViewMesh(body.shape).vertices) own.extend(p);
+    const Pose X_WM = body.mount == Mount::kWorkpiece ? cell.X_WP : Pose::Identity();
+    const Vector3d size = own.sizes();
+    section.table.rows.push_back({body.name, WordOf(kBodyClassWords, body.body_class),
+                                  Place(X_BW * (X_WM * (body.X_MG * own.center()))),
+                                  fmt::format("{:.4g} × {:.4g} × {:.4g}", size.x(), size.y(), size.z())});
+  }
+  return section;
+}
+
+/// `main`: the summary of all operations, null where the job is one.
+SheetSection ProgramsOf(const std::vector<Operation>& operations, const JsonTree& main) {
+  SheetSection section{.title = "Programs, in the order of the work"};
+  section.table.columns = {"operation", "controller", "file", "read back"};
+  const auto add = [&](const std::string& operation, const fs::path& folder, const JsonTree& summary) {
+    for (const JsonTree& program : summary.at("programs"))
+      section.table.rows.push_back(
+          {operation, program.at("controller").get<std::string>(),
+           (folder / program.at("path").get<std::string>()).generic_string(),
+           program.at("verified").get<bool>()
+               ? (program.at("but_for").is_null() ? "confirmed" : "but for a stated gap")
+               : "withheld: not written"});
+  };
+  if (main.is_object()) add("all", {}, main);
+  for (const Operation& one : operations) add(one.name, one.folder, one.summary);
+  return section;
+}
+
+/// Before the first run: what each controller asks for, once for all operations.
+void AddFirstRuns(const std::vector<Operation>& operations, SetupSheet& sheet) {
+  std::map<std::string, SheetSection> by_controller;
+  for (const Operation& one : operations)
+    for (const std::string& controller : one.inputs.job.programs) {
+      SheetSection& section = by_controller[controller];
+      section.title = "Before a first run: " + controller;
+      for (const auto& [what, how] : FirstRunSteps(one.inputs, controller)) {
+        const std::string step = what + ": " + how;
+        if (std::ranges::find(section.steps, step) == section.steps.end()) section.steps.push_back(step);
+      }
+    }
+  for (auto& [controller, section] : by_controller) sheet.sections.push_back(std::move(section));
+}
+
+/// The part's frame in W when a pass, or a point of it, is milled.
+Pose PartAt(const PlanResult& plan, const PassResult& pass, const PlannedPoint& point) {
+  const ExternalPosition& external = point.external ? *point.external : pass.external;
+  if (external.empty()) return plan.X_WP;
+  return Mechanism(plan.external_axes).Moved(Carries::kWorkpiece, external) * plan.X_WP;
+}
+
+PicturePath PathOf(const Operation& one, Vector3d& normals, Vector3d& axes) {
+  PicturePath path{one.name, {}, {}};
+  for (const PassResult& pass : one.plan.passes) {
+    const auto in_part = [&](const PlannedPoint& point) { return PartAt(one.plan, pass, point).inverse(); };
+    for (const Segment& piece : pass.pieces) {
+      std::vector<Vector3d>& cut = path.cuts.emplace_back();
+      for (int i = piece.first; i <= piece.last; ++i) {
+        const PlannedPoint& point = pass.points[static_cast<size_t>(i)];
+        const Pose X_PW = in_part(point);
+        cut.push_back(X_PW * point.point.position);
+        normals += X_PW.linear() * point.point.normal;
+        axes += X_PW.linear() * point.point.tool_axis;
+      }
+    }
+    for (const PlannedPoint& point : pass.points)
+      if (point.skip != Infeasibility::kNone) path.skipped.push_back(in_part(point) * point.point.position);
+  }
+  return path;
+}
+
+SheetSection SetupOf(const std::vector<Operation>& operations, const Cell& cell, const Mesh& part) {
+  const PlanResult& plan = operations.front().plan;
+  const Pose X_PW = plan.X_WP.inverse();
+  SetupPicture picture;
+  picture.up = X_PW.linear() * Vector3d::UnitZ();
+  picture.arm = X_PW * plan.X_WB.translation();
+  if (part.face_count() > 0) picture.solids.push_back({part.triangles(), true});
+  for (const Body& body : cell.bodies) {
+    if (body.body_class != BodyClass::kFixture ||
+        (body.mount != Mount::kWorld && body.mount != Mount::kWorkpiece))
+      continue;
+    PictureSolid solid{ViewMesh(body.shape), false};
+    const Pose X_PG = (body.mount == Mount::kWorkpiece ? Pose::Identity() : X_PW) * body.X_MG;
+    for (Vector3d& p : solid.mesh.vertices) p = X_PG * p;
+    picture.solids.push_back(std::move(solid));
+  }
+  Vector3d normals = Vector3d::Zero(), axes = Vector3d::Zero();
+  for (const Operation& one : operations) picture.paths.push_back(PathOf(one, normals, axes));
+  // From the side that is milled, a little from above and aside, so that neither face nor depth is lost.
+  Vector3d looked = normals.norm() > 1e-6 ? normals.normalized()
+                    : axes.norm() > 1e-6  ? axes.normalized()
+                                          : picture.up;
+  Vector3d aside = picture.up.cross(looked);
+  if (aside.norm() < 0.3) aside = picture.arm - picture.arm.dot(looked) * looked;
+  if (aside.norm() > 1e-6) aside.normalize();
+  picture.towards = looked + 0.45 * picture.up + 0.45 * aside;
+  SheetSection section{.title = "Setup"};
+  section.picture = PictureOf(picture);
+  std::vector<std::string> names;
+  for (size_t i = 0; i < operations.size(); ++i)
+    names.push_back(fmt::format("{} {}", i + 1, operations[i].name));
+  section.note = fmt::format("Begins at {}; x, y, z: the part's frame. Points that are left out are red.",
+                             fmt::join(names, ", at "));
+  return section;
+}
+
+}  // namespace
+
+std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop) {
+  if (!IsOutputFolder(arguments.plan))
+    throw InputError({arguments.plan.string()}, "is no output folder of millpose (it has no .millpose)");
+  std::vector<Operation> operations;
+  for (const std::string& folder : OperationFolders(arguments.plan))
+    operations.push_back(ReadOne(arguments, folder));
+  const bool several = !operations.empty();
+  if (!several) operations.push_back(ReadOne(arguments, ""));
+  const JsonTree main =
+      several ? JsonTree::parse(Folder(arguments.plan).Read("summary.json"), nullptr, false) : JsonTree();
+  JobInputs& inputs = operations.front().inputs;
+  CutStepFiles(
+      &inputs, [](int) {}, stop);
+  const Cell cell = MakeJobCell(inputs);
+  const Part part = ReadPart(inputs, cell);
+  SetupSheet sheet;
+  try {
+    const Operation& first = operations.front();
+    sheet.title = (several ? first.inputs.job.operation_of : first.plan.job) + ": setup sheet";
+    sheet.subtitle =
+        fmt::format("Cell {}, arm {}{}. Inputs {}.", first.plan.cell, first.inputs.cell.arm.name,
+                    first.inputs.cell.arm.serial.empty() ? "" : ", number " + first.inputs.cell.arm.serial,
+                    first.plan.input_hash.substr(0, 16));
+    for (SheetSection section :
+         {SummaryOf(operations), Sentences(operations, "findings", "Findings"), Sources(operations),
+          SetupOf(operations, cell, part.import.mesh), Datum(first), ToolsOf(operations),
+          AxisPositions(operations), Holding(cell), ProgramsOf(operations, main)}) {
+      section.new_page = section.title == "Setup";
+      if (!section.table.rows.empty() || !section.list.empty() || !section.picture.empty())
+        sheet.sections.push_back(std::move(section));
+    }
+    AddFirstRuns(operations, sheet);
+    for (const Operation& one : operations)
+      sheet.appendix.emplace_back(several ? one.name + "/job.yaml" : "job.yaml", one.job);
+    sheet.appendix.emplace_back("cell.yaml", first.cell);
+  } catch (const JsonTree::exception&) {
+    throw InputError({(arguments.plan / "summary.json").string()}, "is no summary that millpose plan wrote");
+  }
+  return SetupSheetHtml(sheet);
+}
+
+}  // namespace millpose

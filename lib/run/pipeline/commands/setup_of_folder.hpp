@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `millpose report`: the setup sheet of a plan, or of all operations of a job, from its output folder.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "base/file_root.hpp"
+
+namespace millpose {
+
+struct SetupArguments {
+  std::filesystem::path plan;                ///< output folder of `millpose plan`
+  std::optional<std::filesystem::path> job;  ///< of it, where it does not stand beside the folder
+  FileRoot root{};
+};
+
+/// HTML (SetupSheetHtml). Throws InputError for what cannot be read; Interrupted.
+std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop);
+
+}  // namespace millpose
