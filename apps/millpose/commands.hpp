@@ -40,10 +40,12 @@ std::optional<double> MillimetresOf(const UnitOption& unit);
 
 void AddBatchCommand(CLI::App& app, Run& run);
 void AddCalibrateCommand(CLI::App& app, Run& run);
+void AddCellsCommand(CLI::App& app, Run& run);
 void AddCheckCommand(CLI::App& app, Run& run);
 void AddCleanCommand(CLI::App& app, Run& run);
 void AddCompletionCommand(CLI::App& app, Run& run);
 void AddDiffCommand(CLI::App& app, Run& run);
+void AddExportCommand(CLI::App& app, Run& run);
 void AddFaceCommand(CLI::App& app, Run& run);
 void AddFlatnessCommand(CLI::App& app, Run& run);
 void AddIdentifyCommand(CLI::App& app, Run& run);
@@ -59,10 +61,11 @@ void AddStiffnessCommand(CLI::App& app, Run& run);
 void AddVerifyCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddInitCommand,     AddPlaceCommand,     AddPlanCommand,     AddVerifyCommand,     AddBatchCommand,
-    AddCheckCommand,    AddInspectCommand,   AddDiffCommand,     AddFaceCommand,       AddStiffnessCommand,
-    AddIdentifyCommand, AddCalibrateCommand, AddFlatnessCommand, AddRegisterCommand,   AddReportCommand,
-    AddCleanCommand,    AddSchemaCommand,    AddManCommand,      AddCompletionCommand,
+    AddInitCommand,       AddCellsCommand,    AddPlaceCommand,     AddPlanCommand,     AddVerifyCommand,
+    AddBatchCommand,      AddCheckCommand,    AddInspectCommand,   AddDiffCommand,     AddFaceCommand,
+    AddReportCommand,     AddExportCommand,   AddStiffnessCommand, AddIdentifyCommand, AddCalibrateCommand,
+    AddFlatnessCommand,   AddRegisterCommand, AddCleanCommand,     AddSchemaCommand,   AddManCommand,
+    AddCompletionCommand,
 };
 
 }  // namespace millpose

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
 #include "base/loose_file.hpp"
+#include "base/student.hpp"
 #include "base/units.hpp"
 #include "base/yaml/edit.hpp"
 #include "commands.hpp"
@@ -22,6 +24,29 @@ struct RegisterWords {
 
 nlohmann::ordered_json VectorJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
+/// 95 % interval of a mode to either side, mm.
+double ModeInterval(const Registration& bent, size_t mode) {
+  const auto at = static_cast<Eigen::Index>(6 + mode);
+  return kNormal95 * std::sqrt(bent.covariance(at, at));
+}
+
+nlohmann::ordered_json BendingJson(const RegisteredPart& part) {
+  if (!part.bent) return nullptr;
+  const BentRegistration& bent = *part.bent;
+  nlohmann::ordered_json modes, intervals;
+  for (size_t i = 0; i < bent.found.bending->modes.size(); ++i) {
+    modes[kModeNames[i]] = bent.found.bending->modes[i];
+    intervals[kModeNames[i]] = ModeInterval(bent.found, i);
+  }
+  return {{"applied", part.found.bending.has_value()},
+          {"largest_mm", bent.largest},
+          {"largest_mm_95", bent.largest_95},
+          {"slope", bent.slope},
+          {"p", bent.p},
+          {"modes_mm", modes},
+          {"modes_mm_95", intervals}};
+}
+
 nlohmann::ordered_json ToJson(const RegisteredPart& part) {
   using Object = nlohmann::ordered_json;
   constexpr double kMicrometre = 1000;
@@ -37,10 +62,10 @@ nlohmann::ordered_json ToJson(const RegisteredPart& part) {
     next.push_back({{"place_mm", VectorJson(place.place.position)},
                     {"normal", VectorJson(place.place.normal)},
                     {"face_um_95", kMicrometre * place.off_95}});
-  for (int i = 0; i < 6; ++i) {
+  const auto unknowns = static_cast<int>(part.found.covariance.rows());
+  for (int i = 0; i < unknowns; ++i) {
     Object row = Object::array();
-    for (int j = 0; j < 6; ++j)
-      row.push_back(part.found.covariance(i, j) * (i < 3 ? 1 : 1e3) * (j < 3 ? 1 : 1e3));
+    for (int j = 0; j < unknowns; ++j) row.push_back(part.CovarianceMrad(i, j));
     covariance.push_back(row);
   }
   return {{"schema_version", 1},
@@ -52,6 +77,8 @@ nlohmann::ordered_json ToJson(const RegisteredPart& part) {
            {{"xyz_mm", VectorJson(part.pose.position)}, {"abc_deg", VectorJson(kDegPerRad * part.pose.abc)}}},
           {"centre_mm", VectorJson(part.found.centre)},
           {"covariance_mm_mrad", known ? covariance : Object(nullptr)},
+          {"bending", BendingJson(part)},
+          {"max_bending_mm", or_null(part.max_bending.has_value(), part.max_bending.value_or(0))},
           {"moved_mm", part.moved},
           {"milling_points", part.milled},
           {"face_um_95", or_null(known, kMicrometre * part.error.off_95)},
@@ -67,6 +94,18 @@ std::string PlaceText(const Eigen::Vector3d& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z());
 }
 
+void PrintBending(const RegisteredPart& part) {
+  if (!part.bent) return;
+  const BentRegistration& bent = *part.bent;
+  fmt::print("bent           {:>8.3f} ± {:.3f} mm at the farthest (95 %; by chance: p {:.1g}), {}\n",
+             bent.largest, bent.largest_95, bent.p,
+             part.found.bending ? "which the figures below count with"
+                                : "which the job does not allow: the figures below are of a rigid part");
+  for (size_t i = 0; i < bent.found.bending->modes.size(); ++i)
+    fmt::print("{}{:<4} {:>+8.3f} ± {:.3f} mm\n", i == 0 ? "  modes        " : "               ",
+               kModeNames[i], bent.found.bending->modes[i], ModeInterval(bent.found, i));
+}
+
 void Print(const RegisteredPart& part) {
   constexpr size_t kTold = 20;
   constexpr double kMicrometre = 1000;
@@ -75,6 +114,7 @@ void Print(const RegisteredPart& part) {
              part.found.scatter,
              part.found.scatters_more ? ": more than chance explains; the figures below count with it" : "");
   fmt::print("pose           {}\n", part.PoseYaml());
+  PrintBending(part);
   fmt::print("moved          {:>8.3f} mm, the farthest milling point from where the job had it\n",
              part.moved);
   if (part.found.determined()) {
@@ -137,8 +177,10 @@ void AddRegisterCommand(CLI::App& app, Run& run) {
       "register",
       "Where the part stands, from probed points: its pose with covariance, by how much the milled face may "
       "be "
-      "off, outliers, where to probe next (docs/registration.md).\n"
-      "Exit status 1: not known well enough, or not to workpiece.registration.tolerance_mm.");
+      "off, outliers, bending where the points ask for it, where to probe next (docs/registration.md).\n"
+      "Exit status 1: not known well enough, or not to workpiece.registration.tolerance_mm; bent by more "
+      "than "
+      "max_bending_mm there allows.");
   const auto words = std::make_shared<RegisterWords>();
   command->add_option("JOB", words->job, "Job file (YAML) whose workpiece.pose is roughly right")->required();
   command->add_option("--probe", words->faces,

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "job/assemble.hpp"
+#include "job/bent_part.hpp"
 #include "job/raw_stock.hpp"
 #include "toolpath/engagement/cutting_material.hpp"
 #include "toolpath/stock/taken_off.hpp"
@@ -132,8 +133,12 @@ class CuttingReader {
 
   InMaterial Raised(double top) const {
     const ToolpathOptions options = MakeToolpathOptions(job_, inputs_.cell.tool);
-    const auto raised = std::make_shared<RaisedRegion>(mesh_, options.region, top, options.cutter.radius);
-    return [raised](const Eigen::Vector3d& place) { return raised->Holds(place); };
+    const auto raised =
+        std::make_shared<RaisedRegion>(UnbentPart(job_, mesh_), options.region, top, options.cutter.radius);
+    const PartBending* bending = BendingOf(job_);
+    if (!bending) return [raised](const Eigen::Vector3d& place) { return raised->Holds(place); };
+    return
+        [raised, bent = *bending](const Eigen::Vector3d& place) { return raised->Holds(bent.Unbent(place)); };
   }
 
   const JobInputs& inputs_;

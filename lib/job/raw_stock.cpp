@@ -5,6 +5,7 @@
 #include "base/units.hpp"
 #include "geometry/import/mesh_import.hpp"
 #include "job/assemble.hpp"
+#include "job/bent_part.hpp"
 #include "machine/stiffness/compliance.hpp"
 
 namespace millpose {
@@ -47,9 +48,7 @@ Triangles CylinderOf(const StockCylinder& cylinder) {
   return Prism(outline, cylinder.length * cylinder.axis);
 }
 
-}  // namespace
-
-Triangles RawStock(const JobInputs& inputs) {
+Triangles UnbentStock(const JobInputs& inputs) {
   const WorkpieceSettings& workpiece = inputs.job.workpiece;
   if (workpiece.stock_box) return BoxOf(*workpiece.stock_box);
   if (workpiece.stock_cylinder) return CylinderOf(*workpiece.stock_cylinder);
@@ -61,5 +60,9 @@ Triangles RawStock(const JobInputs& inputs) {
                     workpiece.stock_file)
       .mesh.triangles();
 }
+
+}  // namespace
+
+Triangles RawStock(const JobInputs& inputs) { return BentStock(inputs.job, UnbentStock(inputs)); }
 
 }  // namespace millpose

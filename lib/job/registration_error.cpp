@@ -2,6 +2,7 @@
 #include "job/registration_error.hpp"
 
 #include "geometry/registration/face_error.hpp"
+#include "job/bent_part.hpp"
 #include "planning/result/station.hpp"
 
 namespace millpose {
@@ -21,9 +22,16 @@ std::optional<RegistrationFigures> ErrorOfRegistration(const JobSettings& job, c
   }
   if (face.empty()) return std::nullopt;
   const RegisteredSettings& known = *job.workpiece.registered;
-  const FaceError error = ErrorOfFace(known.covariance, known.centre, face);
-  return RegistrationFigures{error.off_95, error.median_off, error.beside_95,
-                             job.workpiece.registration_tolerance};
+  const PartBending* bending = BendingOf(job);
+  const FaceError error = ErrorOfFace(known.WholeCovariance(), known.centre, face, bending);
+  RegistrationFigures figures{
+      error.off_95, error.median_off, error.beside_95, job.workpiece.registration_tolerance, {}};
+  if (bending) {
+    figures.bent = 0;
+    for (const PartPlace& place : face)
+      figures.bent = std::max(*figures.bent, std::abs(bending->Height(place.position)));
+  }
+  return figures;
 }
 
 std::string RegistrationFinding(const RegistrationFigures& figures) {
@@ -35,10 +43,10 @@ std::string RegistrationFinding(const RegistrationFigures& figures) {
 }
 
 std::string RegistrationWarning(const JobSettings& job) {
-  if (!job.workpiece.registration_tolerance || job.workpiece.registered) return {};
+  if ((!job.workpiece.registration_tolerance && !job.workpiece.max_bending) || job.workpiece.registered)
+    return {};
   return "workpiece.registration: the part's place was not registered yet; `millpose register` says how far "
-         "off "
-         "the face may be";
+         "off the face may be";
 }
 
 }  // namespace millpose

@@ -7,6 +7,7 @@
 #include "base/process.hpp"
 #include "geometry/import/step_reader.hpp"
 #include "job/assemble.hpp"
+#include "job/bent_part.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "toolpath/make_toolpath.hpp"
 #include "toolpath/strategy.hpp"
@@ -48,6 +49,21 @@ std::string SurfaceStage(std::string_view mesh, int seconds, int memory_MB) {
   return fmt::format("surface (STEP: at most {} s, {} MB)", seconds, memory_MB);
 }
 
+namespace {
+
+/// The part as its file has it.
+ImportResult ImportPart(const JobInputs& inputs) {
+  const WorkpieceSettings& workpiece = inputs.job.workpiece;
+  ImportOptions options;
+  options.unit = workpiece.unit;
+  options.weld_tolerance = workpiece.weld_tolerance;
+  options.flip = workpiece.flip;
+  return ImportMesh(ReadMesh(inputs.workpiece_bytes, workpiece.mesh_file, MakeStepOptions(workpiece)),
+                    options, workpiece.mesh_file);
+}
+
+}  // namespace
+
 Part ReadPart(const JobInputs& inputs, const Cell& cell) {
   const std::string& name = inputs.job.workpiece.mesh_file;
   if (name.empty()) {
@@ -56,13 +72,8 @@ Part ReadPart(const JobInputs& inputs, const Cell& cell) {
         "no part is given: the tool axes serve as normals, and interference with the part is not checked");
     return none;
   }
-  ImportOptions options;
-  options.unit = inputs.job.workpiece.unit;
-  options.weld_tolerance = inputs.job.workpiece.weld_tolerance;
-  options.flip = inputs.job.workpiece.flip;
-  Part part{ImportMesh(ReadMesh(inputs.workpiece_bytes, name, MakeStepOptions(inputs.job.workpiece)), options,
-                       name),
-            CellWarnings(inputs.cell)};
+  Part part{ImportPart(inputs), CellWarnings(inputs.cell)};
+  if (BendingOf(inputs.job)) part.import.mesh = Mesh(BentPart(inputs.job, part.import.mesh.triangles()));
   for (const std::string& finding : Findings(part.import.report))
     part.warnings.push_back(fmt::format("{}: {}", name, finding));
   const Eigen::Vector3d size = part.import.report.upper - part.import.report.lower;
@@ -95,7 +106,11 @@ JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop
   options.parts = parts;
   options.budget = MakeBudget(inputs, mesh);
   options.budget.most *= parts;  // few of these points are planned
-  LaidPath laid = options.strategy->Make({mesh, options, inputs.path_bytes}, std::move(stop));
+  // Regions, planes and files are stated of the unbent part.
+  const PartBending* bending = BendingOf(inputs.job);
+  const Mesh unbent = bending && mesh.face_count() > 0 ? ImportPart(inputs).mesh : mesh;
+  LaidPath laid = options.strategy->Make({unbent, options, inputs.path_bytes}, std::move(stop));
+  if (bending) CarryToBent(*bending, laid.toolpath);
   JobToolpath made;
   made.toolpath = std::move(laid.toolpath);
   made.warnings = std::move(laid.warnings);

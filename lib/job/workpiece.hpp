@@ -15,7 +15,8 @@
 
 namespace millpose {
 
-/// The workpiece's mesh with what is to be reported about it; without a face where the job names no part.
+/// The workpiece's mesh, bent where it was registered so, with what is to be reported about it; without a
+/// face where the job names no part.
 struct Part {
   ImportResult import;
   std::vector<std::string>
@@ -47,7 +48,8 @@ struct JobToolpath {
   std::optional<double> spindle_speed;  ///< that a CAM path asks for, rev/s; it holds in place of the job's
 };
 
-/// Makes the job's tool path on the mesh, or imports it. Throws InputError when it holds no point;
+/// Makes the job's tool path on the mesh, or imports it; of a bent part on the unbent one, and carries it to
+/// the bent. Throws InputError when it holds no point;
 /// Interrupted.
 JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop, int parts = 1);
 

@@ -73,17 +73,6 @@ std::vector<char> FindLeaps(const PlanResult& plan, const PlanResult& whole, con
   return leaps;
 }
 
-RunPart StretchOf(const PlanResult& plan, const MotionProgram& program, size_t i) {
-  const Motion& motion = program.motions[i];
-  if (MovesExternal(program, i) && !HasFeed(motion)) return RunPart::kExternal;
-  if (motion.type == MotionType::kJoint) return RunPart::kLinkMove;
-  if (motion.point < 0) return program.motions[i - 1].point >= 0 ? RunPart::kRetract : RunPart::kApproach;
-  if (!IsCut(program, i)) return RunPart::kApproach;
-  const PlannedPoint& point =
-      plan.passes[static_cast<size_t>(motion.pass)].points[static_cast<size_t>(motion.point)];
-  return point.point.kind == PointKind::kCut ? RunPart::kCut : RunPart::kLead;
-}
-
 /// In how many parts of kTipStep or kJointStep the way of the external axes comes.
 double ExternalParts(const MotionProgram& program, size_t i) {
   double parts = 0;
@@ -113,6 +102,17 @@ std::vector<double> TimesWithin(const TimeLaw& law, double parts) {
 
 }  // namespace
 
+RunPart PartOf(const PlanResult& plan, const MotionProgram& program, size_t i) {
+  const Motion& motion = program.motions[i];
+  if (MovesExternal(program, i) && !HasFeed(motion)) return RunPart::kExternal;
+  if (motion.type == MotionType::kJoint) return RunPart::kLinkMove;
+  if (motion.point < 0) return program.motions[i - 1].point >= 0 ? RunPart::kRetract : RunPart::kApproach;
+  if (!IsCut(program, i)) return RunPart::kApproach;
+  const PlannedPoint& point =
+      plan.passes[static_cast<size_t>(motion.pass)].points[static_cast<size_t>(motion.point)];
+  return point.point.kind == PointKind::kCut ? RunPart::kCut : RunPart::kLead;
+}
+
 Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeOptions& times) {
   Timeline timeline;
   if (plan.gaps.empty()) return timeline;
@@ -127,7 +127,7 @@ Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeO
   double start = 0;
   for (size_t i = 0; i < laws.size(); ++i) {
     const Motion& motion = program.motions[i];
-    const RunPart stretch = leaps[i] ? RunPart::kMissing : StretchOf(plan, program, i);
+    const RunPart stretch = leaps[i] ? RunPart::kMissing : PartOf(plan, program, i);
     const auto add = [&](double time, double share) {
       ExternalPosition external = ExternalOf(program, i, share);
       const Pose X_WP = external.empty() ? plan.X_WP : BaseAt(plan, external) * FrameAt(program, i, share);

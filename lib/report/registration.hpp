@@ -12,6 +12,7 @@ struct RegistrationFigures {
   double median_off = 0;            ///< in half of all cases
   double beside_95 = 0;             ///< across the normal, 95 % at the worst cut point
   std::optional<double> tolerance;  ///< that the job asks for
+  std::optional<double> bent;       ///< largest at the cut points, of a part that its clamps bend
 };
 
 }  // namespace millpose

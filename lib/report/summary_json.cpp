@@ -282,7 +282,8 @@ Json RegistrationJson(const RegistrationFigures& figures) {
   return {{"face_um_95", 1e3 * figures.off_95},
           {"face_um_50", 1e3 * figures.median_off},
           {"beside_um_95", 1e3 * figures.beside_95},
-          {"tolerance_um", figures.tolerance ? Json(1e3 * *figures.tolerance) : Json(nullptr)}};
+          {"tolerance_um", figures.tolerance ? Json(1e3 * *figures.tolerance) : Json(nullptr)},
+          {"bent_mm", figures.bent ? Json(*figures.bent) : Json(nullptr)}};
 }
 
 Json BaseWindowJson(const std::optional<BaseWindow>& window) {

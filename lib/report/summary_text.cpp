@@ -148,8 +148,11 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   if (inputs.deflection) AppendDeflection(*inputs.deflection, &text);
   if (inputs.registration)
     fmt::format_to(std::back_inserter(text),
-                   "registration: the face may be off by {:.0f} µm along its normal (95 %)\n",
-                   1e3 * inputs.registration->off_95);
+                   "registration: the face may be off by {:.0f} µm along its normal (95 %){}\n",
+                   1e3 * inputs.registration->off_95,
+                   inputs.registration->bent
+                       ? fmt::format("; it is planned as bent by up to {:.3f} mm", *inputs.registration->bent)
+                       : "");
   if (inputs.compensation) text += CompensationText(*inputs.compensation);
   if (figures.planned > 0 && inputs.lost_motion)
     fmt::format_to(out, "reversals  {}\n", LostMotionText(plan, *inputs.lost_motion));

@@ -98,9 +98,12 @@ void AuditForce(const Folder& folder, const Row& row, Figures& figures) {
 /// How far a point is from the workpiece once it is lowered along its normal by a layer's height.
 Real OffSurface(const Folder& folder, const Row& row, Real layer) {
   const Setup& setup = folder.At(row.external);
-  const Vector3 lowered = ContactOf(folder, row) - layer * row.normal - setup.X_WP.block<3, 1>(0, 3);
-  return Distance(Vector3(setup.X_WP.block<3, 3>(0, 0).transpose() * lowered),
-                  folder.setup.bodies.back().mesh);
+  const auto R_PW = setup.X_WP.block<3, 3>(0, 0).transpose();
+  const Vector3 place = R_PW * (ContactOf(folder, row) - setup.X_WP.block<3, 1>(0, 3));
+  const Vector3 normal = R_PW * row.normal;
+  if (!folder.plate) return Distance(Vector3(place - layer * normal), folder.setup.bodies.back().mesh);
+  const Vector3 unbent = folder.plate->Unbent(place);
+  return Distance(Vector3(unbent - layer * folder.plate->UnbentNormal(unbent, normal)), folder.unbent);
 }
 
 /// The point of a pass that is farthest from a layer above the workpiece; looks no further once that is

@@ -60,6 +60,9 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
     return fs::exists(path / name) ? ReadFile(path / name) : std::string();
   };
   folder.setup = ReadSetup(ReadFile(path / "job.yaml"), starts, optional("cell.yaml"));
+  const YAML::Node workpiece = YAML::Load(ReadFile(path / "job.yaml"))["workpiece"];
+  folder.plate = ReadPlate(workpiece);
+  if (folder.plate) folder.unbent = ReadPart(workpiece, starts);
   folder.rows = ReadPoints(ReadFile(path / "points.csv"));
   folder.whole = std::ranges::all_of(folder.rows, &Row::planned);
   folder.leans = std::ranges::any_of(folder.rows, [](const Row& row) { return row.lean.has_value(); });

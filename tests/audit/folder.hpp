@@ -102,8 +102,26 @@ struct Summary {
   Real best_objective, worst_objective, max_halfway;  ///< mm of the last
 };
 
+/// A part that its clamps bend, as docs/registration.md says it; in the part's frame, mm.
+struct BentPlate {
+  struct Mode {
+    int u_degree, v_degree;  ///< of Legendre's polynomials
+    Real size;
+  };
+  Vector3 origin, u, v;
+  std::vector<Mode> modes;
+
+  Vector3 Bent(const Vector3& p) const;
+  Vector3 Unbent(const Vector3& p) const;
+  /// Of the unbent surface in p, where n is the bent one's.
+  Vector3 UnbentNormal(const Vector3& p, const Vector3& n) const;
+  Mesh Bent(const Mesh& part) const;  ///< in small triangles, to a µm
+};
+
 /// A folder as read.
 struct Folder {
+  std::optional<BentPlate> plate;               ///< of a bent part
+  Mesh unbent;                                  ///< that part before
   Setup setup;                                  ///< with the external axes at 0
   std::map<std::vector<Real>, Setup> stations;  ///< with them where rows have them
   std::vector<Row> rows;

@@ -254,6 +254,11 @@ fs::path Resolve(const std::vector<fs::path>& starts, const std::string& name) {
 
 }  // namespace
 
+Mesh ReadPart(const YAML::Node& workpiece, const std::vector<fs::path>& starts) {
+  return ReadStl(ReadFile(Resolve(starts, workpiece["mesh"].as<std::string>())),
+                 UnitOf(workpiece["unit"].as<std::string>()));
+}
+
 Setup ReadSetup(const std::string& job_text, const std::vector<fs::path>& starts,
                 const std::string& resolved) {
   Setup setup{};
@@ -275,8 +280,8 @@ Setup ReadSetup(const std::string& job_text, const std::vector<fs::path>& starts
   workpiece.name = workpiece.kind = "workpiece";
   workpiece.X_LG = setup.X_WP;
   workpiece.carrier = LastCarrier(setup, false);
-  workpiece.mesh = ReadStl(ReadFile(Resolve(starts, job["workpiece"]["mesh"].as<std::string>())),
-                           UnitOf(job["workpiece"]["unit"].as<std::string>()));
+  workpiece.mesh = ReadPart(job["workpiece"], starts);
+  if (const auto plate = ReadPlate(job["workpiece"])) workpiece.mesh = plate->Bent(workpiece.mesh);
   setup.bodies.push_back(std::move(workpiece));
   return setup;
 }

@@ -16,6 +16,11 @@ Matrix4 PoseOf(const YAML::Node& node);
 /// mm, of a unit's name.
 Real UnitOf(const std::string& name);
 
+/// The job's part as its file has it; looked for from `starts`.
+Mesh ReadPart(const YAML::Node& workpiece, const std::vector<std::filesystem::path>& starts);
+/// How the job's part is bent, where it was registered so.
+std::optional<BentPlate> ReadPlate(const YAML::Node& workpiece);
+
 /// The cell's only tool, or the one of several that the job takes.
 YAML::Node ToolOf(const YAML::Node& cell, const YAML::Node& job);
 /// Columns of T in F: z along the tool, x the part of the given direction across it.

@@ -49,6 +49,39 @@ class Frame(unittest.TestCase):
         self.assertIn("what is required", run("schema").stderr)
 
 
+class Cells(unittest.TestCase):
+    def test_every_cell_of_the_project_is_listed_and_printed_as_it_is(self):
+        files = {path.stem: path for path in (TOP / "cells").glob("*.yaml")}
+        cells = {cell["name"]: cell for cell in json.loads(run("cells", "--json").stdout)["cells"]}
+        self.assertEqual(sorted(cells), sorted(files))
+        text = run("cells").stdout
+        for name, file in files.items():
+            yaml = file.read_text(encoding="utf-8")
+            self.assertEqual(run("cells", name).stdout, yaml)
+            self.assertIn(name, text)
+            self.assertIn(f"name: {cells[name]['arm']}\n", yaml)
+            for tool in cells[name]["tools"]:
+                self.assertIn(f"name: {tool.split(' (')[0]}", yaml)
+            self.assertEqual(bool(cells[name]["external_axes"]), "\nexternal_axes:" in yaml)
+            for controller in cells[name]["controllers"]:
+                self.assertRegex(yaml, rf"\n  {controller}:")
+        # Makers count an arm's reach from axis 1 to the wrist centre.
+        self.assertAlmostEqual(cells["kr500_r2830"]["reach_mm"], 2826.47, 2)
+        self.assertEqual(cells["kr500_two_tools"]["tools"], ["mill_d20 (20 mm)", "drill_d5 (5 mm)"])
+        self.assertEqual(cells["irb6640_rail"]["external_axes"], ["rail (linear, carries the robot, -2000 to 2000 mm)"])
+
+    def test_a_name_that_none_has_is_answered_with_the_nearest(self):
+        result = run("cells", "kr500_r2831")
+        self.assertEqual((result.returncode, result.stdout), (2, ""))
+        self.assertIn('did you mean "kr500_r2830"', result.stderr)
+        self.assertEqual(run("cells", "ur10e", "--json").returncode, 2)
+
+    def test_init_takes_what_the_list_says(self):
+        refusal = run("init", TOP / "toolpaths/support_pad/support_pad.stl", "--arm", "x").stderr
+        for cell in json.loads(run("cells", "--json").stdout)["cells"]:
+            self.assertEqual(bool(re.search(rf"\b{cell['name']}\b", refusal)), cell["for_init"], refusal)
+
+
 class Schema(unittest.TestCase):
     def test_schemas_are_the_committed_ones(self):
         for what in ("job", "cell", "batch"):

@@ -110,7 +110,7 @@ class Hostile(unittest.TestCase):
         return {"plan --root": (out, ("plan", job, *root)), "plan": (out, ("plan", job)), "plan --fresh": (out, ("plan", job, "--fresh", *root)),
                 "verify": (out, ("verify", out, *root)), "batch": (out, ("batch", job, "-o", out, *root)),
                 "place": (theirs / "support_pad.places", ("place", job, *root)), "inspect": (out, ("inspect", out)),
-                "clean": (out, ("clean", out)), "diff": (out, ("diff", out, self.good)),
+                "clean": (out, ("clean", out)), "export": (out, ("export", out, "--ros", self.theirs / "ros", *root)), "diff": (out, ("diff", out, self.good)),
                 "calibrate": (out, ("calibrate", self.top / "measured.csv", "--plan", out, "--job", job)), "check": (out, ("check", out / "job.yaml", *root)),
                 "check --view": (out, ("check", job, "--view", out / "report.html", *root))}
 

@@ -39,8 +39,9 @@ LEFT_OUT = {
     "arm.family": "another arm altogether (cli_parallel_arm)", "arm.lengths_mm.d5": "of parallel axes alone",
     "reproduction_only": "such cells get no programs", "cell": "another name of the same file",
     **{f"workpiece.registered.{key}": "no pose but its uncertainty, for summary.json alone (cli_register)"
-       for key in ("pose.xyz_mm", "pose.abc_deg", "centre_mm", "covariance_mm_mrad")},
+       for key in ("pose.xyz_mm", "pose.abc_deg", "centre_mm", "covariance_mm_mrad", "bending.covariance_mm_mrad")},
     "workpiece.registration.tolerance_mm": "a bound on that (cli_register)",
+    "workpiece.registration.max_bending_mm": "a bound on that (cli_register)",
     "compensation.map_csv": "another name of the same file (cli_register)",
     "controllers.linuxcnc.m6_moves": "true is refused where programs have M6",
     "workpiece.stock.unit": "a stock of another size touches at home",
@@ -363,6 +364,16 @@ class Keys(InFolder):
                                      "start_deg": 10, "seam_step_deg": 0})
         job["toolpath"].update(spacing_mm=150, chord_tolerance_mm=20)
         job["toolpath"]["gouges"]["tolerance_mm"] = 20  # the chords count
+        yield job, cell
+
+        job, cell = self.base()
+        modes = {mode: 0.01 for mode in ("u2", "uv", "v2", "u3", "u2v", "uv2")}
+        rows = [[1e-4 if i == j else 0 for j in range(i + 1)] for i in range(6 + len(modes))]
+        job["workpiece"]["registration"] = {"max_bending_mm": 5}
+        job["workpiece"]["registered"] = {
+            "pose": copy.deepcopy(job["workpiece"]["pose"]), "centre_mm": [0, 0, 0], "covariance_mm_mrad": sum(rows[:6], []),
+            "bending": {"origin_mm": [0.5, 0.5, -20.5], "u_mm": [40.5, 0, 0], "v_mm": [0, 40.5, 0], "modes_mm": modes,
+                        "covariance_mm_mrad": sum(rows[6:], [])}}
         yield job, cell
 
     @staticmethod

@@ -293,6 +293,20 @@ class Report(Row):
         return MILLPOSE, "report", self.top / "out", "--job", self.job, "--html", self.top / "sheet.html"
 
 
+class Export(Row):
+    quick = 5
+    part = staticmethod(of_folder)
+
+    def prepare(self):
+        self.job = self.top / "job.yaml"
+        self.job.write_text(self.text)
+        self.millpose("plan", self.job, "-o", self.top / "out", "--threads", 1)
+        self.millpose("export", self.top / "out", "--ros", self.top / "ros", "--package", "before")
+
+    def command(self):
+        return MILLPOSE, "export", self.top / "out", "--ros", self.top / "ros"
+
+
 class Check(Row):
     quick = 5
 
@@ -372,9 +386,10 @@ class Flatness(Row):
 
 # What every command of the program's table writes with; what it only reads with, where it writes nothing.
 WRITERS = {"plan": (Plan, PlanOfOperations, Share), "batch": (Batch, BatchOnSlurm), "place": (Place,), "init": (Init,),
-           "identify": (Identify,), "calibrate": (Calibrate,), "register": (Register,), "clean": (Clean,), "face": (Face,), "report": (Report,), "check": (Check,), "stiffness": (Map,)}
+           "identify": (Identify,), "calibrate": (Calibrate,), "register": (Register,), "clean": (Clean,), "face": (Face,), "report": (Report,), "export": (Export,),
+           "check": (Check,), "stiffness": (Map,)}
 READERS = {"verify": reading("verify", "@out"), "inspect": reading("inspect", "@out"), "diff": reading("diff", "@out", "@out"), "flatness": Flatness,
-           "schema": without_folder("schema", "job"), "man": without_folder("man"), "completion": without_folder("completion")}
+           "schema": without_folder("schema", "job"), "cells": without_folder("cells"), "man": without_folder("man"), "completion": without_folder("completion")}
 
 
 def commands():

@@ -1,92 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where a part stands: drawn places and noise come back within what the fit says of itself.
-#include "base/random.hpp"
 #include "base/rotation.hpp"
-#include "base/units.hpp"
 #include "geometry/mesh/point_fit.hpp"
-#include "geometry/registration/next_places.hpp"
-#include "geometry/registration/register.hpp"
 #include "tests/base/tier.hpp"
+#include "tests/geometry/panel.hpp"
 #include "tests/geometry/shapes.hpp"
 
 namespace millpose {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kSharp = DegToRad(30);
-
-Vector3d NormalVector(RandomStream& random) {
-  const double x = random.Normal(), y = random.Normal(), z = random.Normal();
-  return {x, y, z};
-}
-
-/// A motion by some `mm` and, at a metre, as much by turning.
-Eigen::Isometry3d SmallMove(RandomStream& random, double mm) {
-  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  X.linear() = RotationAbout(NormalVector(random).normalized(), mm / 1000 * random.Normal());
-  X.translation() = mm * NormalVector(random);
-  return X;
-}
-
-/// Places of the sample panel, 600 by 900 mm: its skin, its narrow sides, and where it is milled.
-struct Panel {
-  ProbedPart part{SampleMesh("cabin_panel"), kSharp};
-  std::vector<PartPlace> skin, sides, milled;
-
-  Panel() {
-    for (const PartPlace& place : PlacesToProbe(part.mesh(), 30, 1, kSharp, 20000)) {
-      if (place.normal.z() > 0.85) skin.push_back(place);
-      if (std::abs(place.normal.z()) < 0.5) sides.push_back(place);
-    }
-    for (size_t i = 0; i < skin.size(); i += skin.size() / 200) milled.push_back(skin[i]);
-  }
-};
-const Panel& ThePanel() {
-  static const Panel panel;
-  return panel;
-}
-
-/// Where the program's face lies against the true one: the farthest along the normal at any place.
-double Off(const std::vector<PartPlace>& face, const Eigen::Isometry3d& X_true,
-           const Eigen::Isometry3d& X_found) {
-  const Eigen::Isometry3d between = X_true.inverse(Eigen::Isometry) * X_found;
-  double most = 0;
-  for (const PartPlace& place : face)
-    most = std::max(most, std::abs(place.normal.dot(between * place.position - place.position)));
-  return most;
-}
-
-/// A part somewhere, and points probed on it.
-struct Drawn {
-  Eigen::Isometry3d X_true, start;
-  std::vector<ProbedPoint> points;
-};
-
-Drawn Draw(RandomStream& random, size_t on_skin, size_t on_sides, double sd, double radius = 3) {
-  const Panel& panel = ThePanel();
-  Drawn drawn;
-  drawn.start = SmallMove(random, 1000);
-  drawn.X_true = drawn.start * SmallMove(random, 2);
-  const auto add = [&](const PartPlace& place) {
-    ProbedPoint point;
-    point.radius = radius;
-    point.sd = sd;
-    point.measured = drawn.X_true * (place.position + radius * place.normal) + sd * NormalVector(random);
-    point.normal = drawn.start.linear() * place.normal;
-    drawn.points.push_back(point);
-  };
-  for (size_t i = 0; i < on_skin; ++i)
-    add(panel.skin[static_cast<size_t>(random.Below(static_cast<int>(panel.skin.size())))]);
-  for (size_t i = 0; i < on_sides; ++i)
-    add(panel.sides[static_cast<size_t>(random.Below(static_cast<int>(panel.sides.size())))]);
-  return drawn;
-}
-
-double Median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
 
 TEST(Registration, FindsAPlaceExactlyWhereNothingDisturbs) {
   RandomStream random(43, 1);

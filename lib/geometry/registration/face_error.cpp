@@ -7,35 +7,37 @@
 #include <set>
 
 #include "base/random.hpp"
+#include "base/student.hpp"
 
 namespace millpose {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNormal95 = 1.959963984540054;
-
 /// A root of a covariance, for draws.
-Matrix6d RootOf(const Matrix6d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(covariance);
-  Matrix6d root = solver.eigenvectors();
-  for (int k = 0; k < 6; ++k) root.col(k) *= std::sqrt(std::max(0.0, solver.eigenvalues()[k]));
+ProbeMatrix RootOf(const ProbeMatrix& covariance) {
+  const Eigen::SelfAdjointEigenSolver<ProbeMatrix> solver(covariance);
+  ProbeMatrix root = solver.eigenvectors();
+  for (Eigen::Index k = 0; k < covariance.rows(); ++k)
+    root.col(k) *= std::sqrt(std::max(0.0, solver.eigenvalues()[k]));
   return root;
 }
 
 /// Largest standard deviation of any direction across the normal.
-double SidewaysDeviation(const Matrix6d& covariance, const Vector3d& centre, const PartPlace& place) {
+double SidewaysDeviation(const ProbeMatrix& covariance, const Vector3d& centre, const PartPlace& place,
+                         const PartBending* bending) {
   int least = 0;
   place.normal.cwiseAbs().minCoeff(&least);
   const Vector3d u = place.normal.cross(Vector3d::Unit(least)).normalized(), v = place.normal.cross(u);
-  const Vector6d a = ProbeRow(u, place.position, centre), b = ProbeRow(v, place.position, centre);
+  const ProbeVector a = ProbeRow(u, place.position, centre, bending),
+                    b = ProbeRow(v, place.position, centre, bending);
   const double uu = a.dot(covariance * a), vv = b.dot(covariance * b), uv = a.dot(covariance * b);
   const double half = 0.5 * (uu - vv);
   return std::sqrt(std::max(0.0, 0.5 * (uu + vv) + std::sqrt(half * half + uv * uv)));
 }
 
 /// |row·ξ| of the row where it is largest, and which that is.
-std::pair<double, size_t> Farthest(const std::vector<Vector6d>& rows, const Vector6d& xi) {
+std::pair<double, size_t> Farthest(const std::vector<ProbeVector>& rows, const ProbeVector& xi) {
   std::pair<double, size_t> farthest{-1, 0};
   for (size_t i = 0; i < rows.size(); ++i)
     if (const double off = std::abs(rows[i].dot(xi)); off > farthest.first) farthest = {off, i};
@@ -44,29 +46,29 @@ std::pair<double, size_t> Farthest(const std::vector<Vector6d>& rows, const Vect
 
 }  // namespace
 
-FaceError ErrorOfFace(const Matrix6d& covariance, const Vector3d& centre,
-                      const std::vector<PartPlace>& face) {
+FaceError ErrorOfFace(const ProbeMatrix& covariance, const Vector3d& centre,
+                      const std::vector<PartPlace>& face, const PartBending* bending) {
   constexpr int kSeeking = 400, kDraws = 4000;
   FaceError error;
   if (face.empty()) return error;
-  std::vector<Vector6d> rows;
+  std::vector<ProbeVector> rows;
   double beside = 0;
   for (const PartPlace& place : face) {
-    rows.push_back(ProbeRow(place.normal, place.position, centre));
+    rows.push_back(ProbeRow(place.normal, place.position, centre, bending));
     error.sd.push_back(std::sqrt(std::max(0.0, rows.back().dot(covariance * rows.back()))));
-    beside = std::max(beside, SidewaysDeviation(covariance, centre, place));
+    beside = std::max(beside, SidewaysDeviation(covariance, centre, place, bending));
   }
   error.worst = static_cast<size_t>(std::ranges::max_element(error.sd) - error.sd.begin());
   error.beside_95 = kNormal95 * beside;
   // Few places are ever the farthest off: those that some draws find stand for all in the rest.
-  const Matrix6d root = RootOf(covariance);
+  const ProbeMatrix root = RootOf(covariance);
   RandomStream random(1, 0);
   std::set<size_t> extreme;
   std::vector<double> largest;
-  std::vector<Vector6d> few;
+  std::vector<ProbeVector> few;
   for (int draw = 0; draw < kDraws; ++draw) {
-    Vector6d z;
-    for (int k = 0; k < 6; ++k) z[k] = random.Normal();
+    ProbeVector z(covariance.rows());
+    for (Eigen::Index k = 0; k < z.size(); ++k) z[k] = random.Normal();
     const auto [off, place] = Farthest(draw < kSeeking ? rows : few, root * z);
     largest.push_back(off);
     if (draw < kSeeking) extreme.insert(place);

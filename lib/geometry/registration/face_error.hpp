@@ -22,9 +22,10 @@ struct FaceError {
   double beside_95 = 0;    ///< mm: largest 95 % bound of a shift across the normal at any place
 };
 
-/// `covariance` of (t, w) about `centre`, as Registration has it. The bound over all places comes from 4,000
-/// draws of a fixed random stream; `sd` and `beside_95` are exact for normal errors.
-FaceError ErrorOfFace(const Matrix6d& covariance, const Eigen::Vector3d& centre,
-                      const std::vector<PartPlace>& face);
+/// `covariance` of (t, w) about `centre`, and of a bent part's modes, as Registration has it. The bound over
+/// all places comes from 4,000 draws of a fixed random stream; `sd` and `beside_95` are exact for normal
+/// errors.
+FaceError ErrorOfFace(const ProbeMatrix& covariance, const Eigen::Vector3d& centre,
+                      const std::vector<PartPlace>& face, const PartBending* bending = nullptr);
 
 }  // namespace millpose

@@ -65,17 +65,19 @@ std::vector<PartPlace> PlacesToProbe(const Mesh& mesh, double spacing, double ed
   return Thinned(places, most);
 }
 
-std::vector<NextPlace> ProposePlaces(Matrix6d covariance, const Vector3d& centre,
+std::vector<NextPlace> ProposePlaces(ProbeMatrix covariance, const Vector3d& centre,
                                      const std::vector<PartPlace>& face,
                                      const std::vector<PartPlace>& candidates, double sd, int count,
-                                     const std::function<bool(size_t candidate)>& reachable) {
+                                     const std::function<bool(size_t candidate)>& reachable,
+                                     const PartBending* bending) {
   constexpr size_t kPlaces = 500;  // of the face that are looked at
-  std::vector<Vector6d> rows;
+  std::vector<ProbeVector> rows;
   for (const PartPlace& place : Thinned(face, kPlaces))
-    rows.push_back(ProbeRow(place.normal, place.position, centre));
+    rows.push_back(ProbeRow(place.normal, place.position, centre, bending));
   // What one point more takes off the root of the covariance (Sherman and Morrison).
-  const auto gain_of = [&](size_t candidate) -> Vector6d {
-    const Vector6d a = ProbeRow(candidates[candidate].normal, candidates[candidate].position, centre);
+  const auto gain_of = [&](size_t candidate) -> ProbeVector {
+    const ProbeVector a =
+        ProbeRow(candidates[candidate].normal, candidates[candidate].position, centre, bending);
     return covariance * a / std::sqrt(sd * sd + a.dot(covariance * a));
   };
   std::vector<NextPlace> chosen;
@@ -84,9 +86,9 @@ std::vector<NextPlace> ProposePlaces(Matrix6d covariance, const Vector3d& centre
     std::vector<std::pair<double, size_t>> by_worst;
     for (size_t c = 0; c < candidates.size(); ++c) {
       if (barred[c]) continue;
-      const Vector6d gain = gain_of(c);
+      const ProbeVector gain = gain_of(c);
       double worst = 0;
-      for (const Vector6d& row : rows) {
+      for (const ProbeVector& row : rows) {
         const double fall = row.dot(gain);
         worst = std::max(worst, row.dot(covariance * row) - fall * fall);
       }
@@ -98,7 +100,7 @@ std::vector<NextPlace> ProposePlaces(Matrix6d covariance, const Vector3d& centre
       return !barred[candidate.second];
     });
     if (best == by_worst.end()) break;
-    const Vector6d gain = gain_of(best->second);
+    const ProbeVector gain = gain_of(best->second);
     covariance -= gain * gain.transpose();
     chosen.push_back({best->second, std::sqrt(std::max(0.0, best->first))});
   }

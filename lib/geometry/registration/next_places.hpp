@@ -24,9 +24,10 @@ std::vector<PartPlace> PlacesToProbe(const Mesh& mesh, double spacing, double ed
 /// The `count` of `candidates` that lower the largest deviation of the face along its normals most, one after
 /// the other (greedy), each probed once with standard deviation `sd` (mm). Only those for which `reachable`
 /// holds; it is asked of few.
-std::vector<NextPlace> ProposePlaces(Matrix6d covariance, const Eigen::Vector3d& centre,
+std::vector<NextPlace> ProposePlaces(ProbeMatrix covariance, const Eigen::Vector3d& centre,
                                      const std::vector<PartPlace>& face,
                                      const std::vector<PartPlace>& candidates, double sd, int count,
-                                     const std::function<bool(size_t candidate)>& reachable);
+                                     const std::function<bool(size_t candidate)>& reachable,
+                                     const PartBending* bending = nullptr);
 
 }  // namespace millpose

@@ -1,309 +1,112 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/registration/register.hpp"
 
-#include <fmt/format.h>
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
-#include "base/parallel.hpp"
-#include "base/rotation.hpp"
+#include "base/fisher.hpp"
+#include "base/student.hpp"
+#include "geometry/registration/place_fit.hpp"
 
 namespace millpose {
 namespace {
 
 using Eigen::Vector3d;
 
-/// Huber's bound by the number of equations of a point: 1.345 keeps 82.1 % of normal residuals whole, and so
-/// do the others of vectors of two and three.
-constexpr double kHuber[] = {0, 1.345, 1.856, 2.213};
-/// Median length of a standard normal vector of one, two, three.
-constexpr double kMedian[] = {1, 0.6745, 1.1774, 1.5382};
-constexpr double kEfficiency = 0.95;  // of Huber's weights at that bound
-constexpr double kOutlier = 4;        // standard deviations of a residual
-constexpr double kStill = 1e-6;       // mm: a step that moves no point farther ends the search
-constexpr int kMostSteps = 60, kWholeSteps = 30, kMostRounds = 8;
-constexpr double kShorter = 0.7, kNoMatter = 0.2;  // of the smallest stated deviation
-constexpr double kUndetermined = 0.002;            // of the part's size, and
-constexpr double kHardly = 4;     // deviations of one point: more than both, and a direction is not known
-constexpr size_t kSample = 2000;  // points of a scan that find the place roughly
+constexpr double kLevel = 0.01;          // of the F tests
+constexpr int kPerUnknown = 3;           // equations
+constexpr double kUnsureHeight = 2;      // deviations of one point
+constexpr double kLeastVariance = 1e-4;  // of what is stated: less than a hundredth of it is rounding
 
-class Fit {
- public:
-  Fit(const ProbedPart& part, const std::vector<ProbedPoint>& points, int threads, std::stop_token stop)
-      : part_(part), points_(points), threads_(threads), stop_(std::move(stop)) {
-    length_ = std::max(1.0, part.size());
-    open_ = std::max(kUndetermined * length_, kHardly * std::ranges::max(points, {}, &ProbedPoint::sd).sd);
-  }
+bool Determined(const ProbedPart& part, const std::vector<ProbedPoint>& points, const Registration& found) {
+  const int unknowns = 6 + static_cast<int>(found.bending->modes.size());
+  if (!found.determined() || found.used < kPerUnknown * unknowns) return false;
+  const double most = kUnsureHeight * std::ranges::max(points, {}, &ProbedPoint::sd).sd;
+  return std::ranges::all_of(part.mesh().triangles().vertices,
+                             [&](const Vector3d& p) { return found.HeightDeviation(p) <= most; });
+}
 
-  Registration Run(const Eigen::Isometry3d& start) {
-    found_.X = start;
-    found_.residuals.resize(points_.size());
-    equations_.resize(points_.size());
-    places_.resize(points_.size());
-    for (size_t stride = points_.size() / kSample; stride > 1; stride = 0) {
-      Take(stride);
-      Converge();
-    }
-    Take(1);
-    for (int round = 0; round < kMostRounds; ++round) {
-      found_.converged = Converge();
-      if (!FlagOutliers()) break;
-    }
-    Judge();
-    return std::move(found_);
-  }
+/// A fit with the first `modes`.
+FittedPlace FitBent(const ProbedPart& part, const std::vector<ProbedPoint>& points, const Registration& rigid,
+                    size_t modes, int threads, const std::stop_token& stop) {
+  PartBending frame = PlateFrame(part.mesh());
+  frame.modes.assign(modes, 0);
+  return FitPlace(part, points, rigid.X, &frame, threads, stop);
+}
 
- private:
-  void Take(size_t stride) {
-    taken_.clear();
-    for (size_t i = 0; i < points_.size(); i += stride) taken_.push_back(i);
-    const Eigen::Isometry3d back = found_.X.inverse(Eigen::Isometry);
-    Vector3d sum = Vector3d::Zero();
-    for (const size_t i : taken_) sum += back * points_[i].measured;
-    found_.centre = sum / static_cast<double>(taken_.size());
-  }
+/// Probability that chance lowers the squares by as much when modes are added that are none.
+double ByChance(const FittedPlace& fit, size_t fewer, size_t more) {
+  const double n = static_cast<double>(more - fewer);
+  const double freedom = fit.found.used - 6 - static_cast<double>(more);
+  const double variance = std::max(fit.squares[more] / freedom, kLeastVariance);
+  return FisherTail((fit.squares[fewer] - fit.squares[more]) / (n * variance), n, freedom);
+}
 
-  /// Where the points lie on the part with the pose as it is.
-  void Look() {
-    constexpr size_t kChunk = 256;
-    const Eigen::Isometry3d back = found_.X.inverse(Eigen::Isometry);
-    ParallelFor((taken_.size() + kChunk - 1) / kChunk, threads_, stop_, [&](size_t chunk) {
-      const size_t end = std::min(taken_.size(), (chunk + 1) * kChunk);
-      for (size_t k = chunk * kChunk; k < end; ++k) {
-        const size_t i = taken_[k];
-        std::optional<Vector3d> normal;
-        if (points_[i].normal) normal = back.linear() * *points_[i].normal;
-        places_[i] = back * points_[i].measured;
-        equations_[i] = part_.Equations(points_[i], places_[i], normal);
-      }
-    });
-  }
-
-  /// Length of a point's residual in stated standard deviations.
-  double Relative(size_t i) const { return equations_[i].Length() / points_[i].sd; }
-  bool Counts(size_t i) const { return equations_[i].count > 0 && !found_.residuals[i].outlier; }
-
-  /// By how much the points scatter more than stated, by their median; at least 1.
-  double RobustScale() const {
-    std::vector<double> sizes;
-    for (const size_t i : taken_)
-      if (Counts(i)) sizes.push_back(Relative(i) / kMedian[equations_[i].count]);
-    if (sizes.empty()) return 1;
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::ranges::nth_element(sizes, middle);
-    const auto n = static_cast<double>(sizes.size());
-    return std::max(1.0, *middle * (n > 6 ? std::sqrt(n / (n - 6)) : 1.0));
-  }
-
-  /// AᵀWA and AᵀWe with w's part in mm at `length_` from the centre; weights are set.
-  void Assemble(double scale) {
-    normal_matrix_.setZero();
-    right_.setZero();
-    for (const size_t i : taken_) {
-      ProbeResidual& residual = found_.residuals[i];
-      residual.weight = 0;
-      if (!Counts(i)) continue;
-      const double size = Relative(i), bound = kHuber[equations_[i].count] * scale;
-      residual.weight = size > bound ? bound / size : 1;
-      for (int e = 0; e < equations_[i].count; ++e) {
-        const Vector6d a = Row(i, e);
-        normal_matrix_ += residual.weight * a * a.transpose();
-        right_ += residual.weight * equations_[i].distance[e] / points_[i].sd * a;
-      }
+/// How many of the fit's modes are asked for, and how likely the first of these are by chance.
+std::pair<size_t, double> AskedFor(const FittedPlace& fit) {
+  const size_t most = fit.squares.size() - 1;
+  size_t taken = 0;
+  double first = 1;
+  for (bool more = true; more;) {
+    more = false;
+    const size_t least = std::max<size_t>(taken + 1, kLeastModes);
+    for (size_t modes = least; modes <= most && !more; ++modes) {
+      const double p = std::min(1.0, ByChance(fit, taken, modes) * static_cast<double>(most - least + 1));
+      if (p >= kLevel) continue;
+      if (taken == 0) first = p;
+      taken = modes;
+      more = true;
     }
   }
-
-  /// In stated standard deviations, w's part by mm at `length_`.
-  Vector6d Row(size_t i, int e) const {
-    Vector6d a = ProbeRow(equations_[i].direction[e], places_[i], found_.centre) / points_[i].sd;
-    a.tail<3>() /= length_;
-    return a;
-  }
-
-  /// Steps until the points lie still; whether they did. Between facets the nearest one may change with every
-  /// step for ever: later steps become shorter, and what the last whole one would have been must not matter.
-  bool Converge() {
-    double step = 1, wanted = 0;
-    for (int i = 0; i < kMostSteps && step > kStill; ++i) {
-      Look();
-      Assemble(RobustScale());
-      const Vector6d move = Solved();
-      wanted = move.head<3>().norm() + move.tail<3>().norm();
-      Move(step * move);
-      if (wanted < kStill) return true;
-      if (i >= kWholeSteps) step *= kShorter;
-    }
-    return wanted < kNoMatter * LeastDeviation();
-  }
-
-  /// The smallest that is stated, mm.
-  double LeastDeviation() const { return std::ranges::min(points_, {}, &ProbedPoint::sd).sd; }
-
-  /// The step; nothing in directions that no point tells.
-  Vector6d Solved() const {
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(normal_matrix_);
-    const double least = LeastEigenvalue();
-    Vector6d move = Vector6d::Zero();
-    for (int k = 0; k < 6; ++k) {
-      const Vector6d v = solver.eigenvectors().col(k);
-      if (solver.eigenvalues()[k] > least) move += v.dot(right_) / solver.eigenvalues()[k] * v;
-    }
-    return move;
-  }
-
-  /// Below it a direction counts as not known: no point looks its way.
-  double LeastEigenvalue() const { return 1 / (open_ * open_); }
-
-  /// Turns about the centre, then shifts.
-  void Move(const Vector6d& move) {
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    const Vector3d w = move.tail<3>() / length_;
-    const double angle = w.norm();
-    if (angle > 0) T.linear() = RotationAbout(w / angle, angle);
-    T.translation() = move.head<3>() + found_.centre - T.linear() * found_.centre;
-    found_.X = found_.X * T;
-    // Rounding of many products; Gram and Schmidt.
-    Eigen::Matrix3d R = found_.X.linear();
-    R.col(0).normalize();
-    R.col(1) = (R.col(1) - R.col(0).dot(R.col(1)) * R.col(0)).normalized();
-    R.col(2) = R.col(0).cross(R.col(1));
-    found_.X.linear() = R;
-  }
-
-  /// Residuals in their own standard deviations; whether other points are outliers than before.
-  bool FlagOutliers() {
-    Look();
-    const double scale = RobustScale();
-    Assemble(scale);
-    const Matrix6d inverse = Inverse(normal_matrix_);
-    bool changed = false;
-    for (const size_t i : taken_) {
-      const ProbeEquations& equations = equations_[i];
-      ProbeResidual& residual = found_.residuals[i];
-      residual.no_feature = equations.count == 0;
-      residual.distance = equations.count == 1 ? equations.distance[0] : equations.Length();
-      double leverage = 0;  // of the pose on the residual, mean of the equations
-      for (int e = 0; e < equations.count; ++e) {
-        const Vector6d a = Row(i, e);
-        leverage += a.dot(inverse * a) / equations.count;
-      }
-      const double share = residual.outlier ? 1 + leverage : std::max(0.05, 1 - residual.weight * leverage);
-      residual.standardised = Relative(i) / (scale * std::sqrt(share));
-      // Two and three equations have longer residuals by chance.
-      const bool outlier = residual.standardised > kOutlier * kHuber[equations.count] / kHuber[1];
-      changed = changed || (outlier != residual.outlier);
-      residual.outlier = outlier && equations.count > 0;
-    }
-    return changed;
-  }
-
-  /// Inverse on the directions that points tell.
-  Matrix6d Inverse(const Matrix6d& matrix) const {
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(matrix);
-    Matrix6d inverse = Matrix6d::Zero();
-    for (int k = 0; k < 6; ++k)
-      if (solver.eigenvalues()[k] > LeastEigenvalue())
-        inverse +=
-            solver.eigenvectors().col(k) * solver.eigenvectors().col(k).transpose() / solver.eigenvalues()[k];
-    return inverse;
-  }
-
-  /// Covariance and what cannot be told.
-  void Judge() {
-    Matrix6d all = Matrix6d::Zero();  // AᵀA of the points that count, without Huber's weights
-    double squares = 0, whole = 0;
-    for (const size_t i : taken_) {
-      if (!Counts(i)) continue;
-      const ProbeResidual& residual = found_.residuals[i];
-      const int count = equations_[i].count;
-      for (int e = 0; e < count; ++e) {
-        const Vector6d a = Row(i, e);
-        all += a * a.transpose();
-      }
-      const double psi = residual.weight * Relative(i);
-      squares += psi * psi;
-      whole += residual.weight == 1 ? count : 0;
-      found_.used += count;
-    }
-    found_.covariance = Inverse(all);
-    const double kappa = Kappa(squares, whole);
-    found_.covariance *= kappa;
-    found_.covariance.bottomRows<3>() /= length_;
-    found_.covariance.rightCols<3>() /= length_;
-    Undetermined(all);
-  }
-
-  /// By how much (AᵀA)⁻¹ is too small.
-  double Kappa(double squares, double whole) {
-    constexpr double kLeast = 1 / kEfficiency;
-    const double freedom = found_.used - 6;
-    if (freedom < 1 || whole < 1) return kLeast;
-    const double m = whole / found_.used;
-    const double finite = 1 + 6.0 / found_.used * (1 - m) / m;
-    const double kappa = finite * finite * squares / freedom / (m * m);
-    found_.scatter = std::sqrt(kappa / kLeast);
-    // A variance of f degrees of freedom scatters by √(2/f); 1.645: 95 % on one side.
-    found_.scatters_more = kappa / kLeast > 1 + 1.645 * std::sqrt(2 / freedom);
-    return std::max(kLeast, kappa);
-  }
-
-  /// Names what is not known: shifts first, then turns with the shifts that go with them.
-  void Undetermined(const Matrix6d& all) {
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(all);
-    Eigen::Index count = 0;  // eigenvalues ascend
-    while (count < 6 && solver.eigenvalues()[count] <= LeastEigenvalue()) ++count;
-    if (count == 0) return;
-    const Eigen::MatrixXd open = solver.eigenvectors().leftCols(count);
-    const Eigen::MatrixXd turns = open.bottomRows<3>();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> by_turn(turns.transpose() * turns);
-    for (Eigen::Index k = 0; k < count; ++k)
-      found_.undetermined.push_back(NameOf(open * by_turn.eigenvectors().col(k)));
-  }
-
-  static std::string NameOf(const Vector6d& way) {
-    constexpr double kMostly = 0.05;  // of the square
-    const auto words = [](const Vector3d& d) {
-      int largest = 0;
-      d.cwiseAbs().maxCoeff(&largest);
-      const Vector3d unit = (d[largest] < 0 ? -d : d).normalized();
-      const auto shown = [](double x) { return std::round(100 * x) / 100 + 0.0; };  // no "-0.00"
-      return fmt::format("({:.2f}, {:.2f}, {:.2f})", shown(unit.x()), shown(unit.y()), shown(unit.z()));
-    };
-    if (way.tail<3>().squaredNorm() < kMostly) return "a shift along " + words(way.head<3>());
-    const std::string turn = "a turn about " + words(way.tail<3>());
-    if (way.head<3>().squaredNorm() < kMostly) return turn;
-    return turn + " with a shift along " + words(way.head<3>());
-  }
-
-  const ProbedPart& part_;
-  const std::vector<ProbedPoint>& points_;
-  int threads_;
-  std::stop_token stop_;
-  double length_ = 1;  ///< mm: a turn counts by what it moves there
-  double open_ = 1;    ///< mm: a direction with a larger deviation is not known
-  Registration found_;
-  std::vector<size_t> taken_;
-  std::vector<ProbeEquations> equations_;
-  std::vector<Vector3d> places_;  ///< in P
-  Matrix6d normal_matrix_;
-  Vector6d right_;
-};
+  return {taken, first};
+}
 
 }  // namespace
 
-Vector6d ProbeRow(const Vector3d& d, const Vector3d& p, const Vector3d& centre) {
-  Vector6d row;
-  row << d, (p - centre).cross(d);
+double Registration::HeightDeviation(const Vector3d& p) const {
+  if (!bending) return 0;
+  const auto count = static_cast<Eigen::Index>(bending->modes.size());
+  const ProbeVector heights = bending->ModeShifts(p).transpose() * bending->Across();
+  return std::sqrt(std::max(0.0, heights.dot(covariance.bottomRightCorner(count, count) * heights)));
+}
+
+ProbeVector ProbeRow(const Vector3d& d, const Vector3d& p, const Vector3d& centre,
+                     const PartBending* bending) {
+  const auto modes = bending ? static_cast<Eigen::Index>(bending->modes.size()) : 0;
+  ProbeVector row(6 + modes);
+  row.head<3>() = d;
+  row.segment<3>(3) = (p - centre).cross(d);
+  if (bending) row.tail(modes) = bending->ModeShifts(p).transpose() * d;
   return row;
 }
 
 Registration Register(const ProbedPart& part, const std::vector<ProbedPoint>& points,
                       const Eigen::Isometry3d& start, int threads, std::stop_token stop) {
   if (points.empty()) return {};
-  return Fit(part, points, threads, std::move(stop)).Run(start);
+  return FitPlace(part, points, start, nullptr, threads, std::move(stop)).found;
+}
+
+std::optional<BentRegistration> RegisterBent(const ProbedPart& part, const std::vector<ProbedPoint>& points,
+                                             const Registration& rigid, int threads,
+                                             const std::stop_token& stop) {
+  if (rigid.residuals.empty() || !rigid.undetermined.empty()) return std::nullopt;
+  for (size_t modes = kMostModes; modes >= kLeastModes; --modes) {
+    if (3 * points.size() < kPerUnknown * (6 + modes)) continue;
+    FittedPlace fit = FitBent(part, points, rigid, modes, threads, stop);
+    if (!Determined(part, points, fit.found)) continue;
+    const auto [taken, p] = AskedFor(fit);
+    if (taken == 0) return std::nullopt;
+    if (taken < modes) fit = FitBent(part, points, rigid, taken, threads, stop);
+    if (!Determined(part, points, fit.found)) return std::nullopt;
+    BentRegistration bent{std::move(fit.found), p};
+    const Triangles& triangles = part.mesh().triangles();
+    const auto [largest, where] = LargestBending(triangles, *bent.found.bending);
+    bent.largest = largest;
+    bent.largest_95 = kNormal95 * bent.found.HeightDeviation(where);
+    bent.slope = SteepestBending(triangles, *bent.found.bending);
+    return bent;
+  }
+  return std::nullopt;
 }
 
 }  // namespace millpose

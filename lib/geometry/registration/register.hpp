@@ -7,12 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "geometry/registration/bending.hpp"
 #include "geometry/registration/probed_part.hpp"
 
 namespace millpose {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// What the fit makes of one point.
 struct ProbeResidual {
@@ -24,11 +22,13 @@ struct ProbeResidual {
 };
 
 /// A part's place with its uncertainty. The true pose is X·T, where T shifts by t (mm) and turns by the small
-/// vector w (rad) about `centre`: a point p of the part moves by t + w × (p − centre).
+/// vector w (rad) about `centre`: a point p of the part moves by t + w × (p − centre). Of a bent part the
+/// modes' coefficients a (mm) are unsure as well.
 struct Registration {
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();  ///< of P in F
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();     ///< in P, mm
-  Matrix6d covariance = Matrix6d::Zero();               ///< of (t, w): mm², mm·rad, rad²
+  ProbeMatrix covariance = ProbeMatrix::Zero(6, 6);     ///< of (t, w, a): mm², mm·rad, rad²
+  std::optional<PartBending> bending = {};              ///< where the part is taken as bent
   std::vector<ProbeResidual> residuals;                 ///< one a point
   int used = 0;                                         ///< equations that count
   double scatter = 1;          ///< what the points scatter by ÷ what their standard deviations say
@@ -39,6 +39,9 @@ struct Registration {
   bool converged = false;
 
   bool determined() const { return undetermined.empty() && converged; }
+  const PartBending* Bending() const { return bending ? &*bending : nullptr; }
+  /// Standard deviation of the bending's height d at a point p of the part, mm.
+  double HeightDeviation(const Eigen::Vector3d& p) const;
 };
 
 /// The pose that brings the probed points onto their features, from `start` on: Gauss and Newton's steps on
@@ -50,7 +53,30 @@ struct Registration {
 Registration Register(const ProbedPart& part, const std::vector<ProbedPoint>& points,
                       const Eigen::Isometry3d& start, int threads = 1, std::stop_token stop = {});
 
-/// How the distance of a point p from its feature follows the pose: −a·(t, w), a = (d, (p − centre) × d).
-Vector6d ProbeRow(const Eigen::Vector3d& d, const Eigen::Vector3d& p, const Eigen::Vector3d& centre);
+/// A part taken as bent, since its points ask for it.
+struct BentRegistration {
+  Registration found;     ///< with its modes
+  double p = 1;           ///< probability that a rigid part's points ask for so much by chance, at most
+  double largest = 0;     ///< mm: by how much the part is bent, at its farthest
+  double largest_95 = 0;  ///< mm: 95 % interval of that, to either side
+  double slope = 0;       ///< steepest
+};
+
+/// Whether the points ask for bending, of which `rigid` is the fit without. The sets are the first three,
+/// four, five and six modes. From a fit with the largest set that the points determine, F tests of nested
+/// models on its points without outliers (least squares, stated weights): the smallest set that improves on
+/// the rigid part at 1 %, over all sets tried (Bonferroni); and from there likewise the smallest larger one
+/// that improves on it, until none does. A set is determined where there are three equations for each
+/// unknown, no direction is open, and at no corner of the part its height's standard deviation is above two
+/// of the least sure point's. None where no set is asked for or determined. The same for any number of
+/// `threads`. Throws Interrupted.
+std::optional<BentRegistration> RegisterBent(const ProbedPart& part, const std::vector<ProbedPoint>& points,
+                                             const Registration& rigid, int threads = 1,
+                                             const std::stop_token& stop = {});
+
+/// How the distance of a point p from its feature follows pose and modes: −a·(t, w, a), a = (d, (p − centre)
+/// × d, d·what each mode does to p).
+ProbeVector ProbeRow(const Eigen::Vector3d& d, const Eigen::Vector3d& p, const Eigen::Vector3d& centre,
+                     const PartBending* bending = nullptr);
 
 }  // namespace millpose

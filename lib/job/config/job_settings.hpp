@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/units.hpp"
+#include "geometry/registration/bending.hpp"
 #include "job/config/cell_settings.hpp"
 #include "job/config/placement_settings.hpp"
 #include "job/config/toolpath_settings.hpp"
@@ -26,12 +27,32 @@ struct TargetSettings {
   Eigen::Vector3d measured = Eigen::Vector3d::Zero();  ///< in `frame`, mm
 };
 
+/// How the part is bent that `millpose register` found bent.
+struct BendingSettings {
+  PartBending shape;
+  /// The covariance's further rows, a mode each, up to the diagonal one after the other: mm², with turns
+  /// mm·rad.
+  std::vector<double> covariance;
+};
+
 /// How sure the pose is that `millpose register` found (docs/registration.md).
 struct RegisteredSettings {
   PoseSettings pose;                                 ///< that it belongs to: the workpiece's
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< P, mm: what the part may be turned about
   Eigen::Matrix<double, 6, 6> covariance =
       Eigen::Matrix<double, 6, 6>::Zero();  ///< of shift (mm) and turn (rad) in P, as Registration has it
+  std::optional<BendingSettings> bending;
+
+  /// Of shift, turn and modes.
+  ProbeMatrix WholeCovariance() const {
+    const int modes = bending ? static_cast<int>(bending->shape.modes.size()) : 0;
+    ProbeMatrix whole = ProbeMatrix::Zero(6 + modes, 6 + modes);
+    whole.topLeftCorner<6, 6>() = covariance;
+    size_t next = 0;
+    for (int i = 6; i < 6 + modes; ++i)
+      for (int j = 0; j <= i; ++j) whole(i, j) = whole(j, i) = bending->covariance.at(next++);
+    return whole;
+  }
 };
 
 /// What the workpiece's pose or measured points are given in.
@@ -55,6 +76,7 @@ struct WorkpieceSettings {
   std::vector<TargetSettings> targets;           ///< in place of the pose: best fit
   double max_residual = 0.5;                     ///< mm, of the fit at any target
   std::optional<double> registration_tolerance;  ///< mm, by which the milled face may be off (95 %)
+  std::optional<double> max_bending;             ///< mm, that clamps may bend the part by; 0: it is rigid
   std::optional<RegisteredSettings> registered;  ///< how sure `pose` is
   double weld_tolerance = 1e-4;                  ///< mm
   bool flip = false;                             ///< open sheets the other way round

@@ -17,14 +17,16 @@ constexpr size_t kTriangle = 21;  // of a symmetric matrix of six rows
 /// Symmetric, and no correlation above 1: what rounding may have cost is let pass.
 void CheckCovariance(const Value& value, const Context& context, RegisteredSettings& s) {
   constexpr double kRounded = 1e-4;
-  for (int i = 0; i < 6; ++i)
+  const ProbeMatrix whole = s.WholeCovariance();
+  for (int i = 0; i < whole.rows(); ++i)
     for (int j = 0; j <= i; ++j) {
-      const double both = s.covariance(i, i) * s.covariance(j, j);
-      if (s.covariance(i, i) < 0 || s.covariance(i, j) * s.covariance(i, j) > (1 + kRounded) * both)
-        return context.Child("covariance_mm_mrad")
-            .Add(value.FindKey("covariance_mm_mrad")->mark,
-                 fmt::format("is no covariance: row {}, column {}; allowed: what `millpose register` wrote",
-                             i + 1, j + 1));
+      const double both = whole(i, i) * whole(j, j);
+      if (whole(i, i) >= 0 && whole(i, j) * whole(i, j) <= (1 + kRounded) * both) continue;
+      const char* key = i < 6 ? "covariance_mm_mrad" : "bending";
+      return context.Child(key).Add(
+          value.FindKey(key)->mark,
+          fmt::format("is no covariance: row {}, column {}; allowed: what `millpose register` wrote", i + 1,
+                      j + 1));
     }
 }
 
@@ -56,6 +58,94 @@ Codec<Eigen::Matrix<double, 6, 6>> CovarianceFields() {
   return codec;
 }
 
+/// The first three modes or more, by their names.
+Codec<std::vector<double>> ModesFields() {
+  const std::vector<std::string> names(kModeNames.begin(), kModeNames.end());
+  const auto by_name = MapOf<double>(names, Real(kMm, Between(-100, 100)));
+  Codec<std::vector<double>> codec;
+  codec.type = by_name.type;
+  codec.schema = by_name.schema;
+  codec.keys = by_name.keys;
+  codec.read = [by_name, names](const Value& value, const Context& context, std::vector<double>& result) {
+    const size_t problems_before = context.problems.size();
+    std::map<std::string, double> given;
+    by_name.read(value, context, given);
+    if (context.problems.size() > problems_before) return;
+    result.clear();
+    for (const std::string& name : names)
+      if (result.size() == static_cast<size_t>(&name - names.data()) && given.contains(name))
+        result.push_back(given.at(name));
+    if (result.size() < kLeastModes || result.size() < given.size())
+      context.Add(value.mark,
+                  fmt::format("needs the first three or more of {}, none left out", fmt::join(names, ", ")));
+  };
+  codec.write = [names](const std::vector<double>& modes) {
+    Value map = Value::Map();
+    for (size_t i = 0; i < modes.size(); ++i)
+      map.Put(names[i], Real(kMm, Between(-100, 100)).write(modes[i]));
+    return map;
+  };
+  return codec;
+}
+
+/// Rows of modes, each from its first column to the diagonal.
+Codec<std::vector<double>> ModeRowsFields() {
+  const Codec<double> shifts = Real({"mm²", 1, 1}, Between(-1e9, 1e9)),
+                      turns = Real({"mm·mrad", 1, 1e3}, Between(-1e9, 1e9));
+  const auto codec_at = [=](size_t index) {
+    size_t row = 7;
+    for (; index >= row; ++row) index -= row;
+    return index >= 3 && index < 6 ? turns : shifts;
+  };
+  Codec<std::vector<double>> codec;
+  codec.type = "list of numbers";
+  codec.schema = codec_detail::ListSchema(shifts.schema, 0);
+  codec.read = [codec_at](const Value& value, const Context& context, std::vector<double>& result) {
+    if (value.kind != Value::Kind::kList) return context.AddWrong(value, "a list of numbers");
+    result.clear();
+    for (size_t i = 0; i < value.items.size(); ++i)
+      codec_at(i).read(value.items[i], context.Child(i), result.emplace_back());
+  };
+  codec.write = [codec_at](const std::vector<double>& numbers) {
+    Value list = Value::List();
+    for (size_t i = 0; i < numbers.size(); ++i) list.items.push_back(codec_at(i).write(numbers[i]));
+    return list;
+  };
+  return codec;
+}
+
+void CheckBending(const Value& value, const Context& context, const BendingSettings& s) {
+  constexpr double kShortest = 0.1, kNearlySquare = 0.99;  // mm; of the lengths' product
+  const PartBending& bending = s.shape;
+  const double lengths = bending.u.norm() * bending.v.norm();
+  if (std::min(bending.u.norm(), bending.v.norm()) < kShortest ||
+      bending.u.cross(bending.v).norm() < kNearlySquare * lengths)
+    context.Add(value.mark, "u_mm and v_mm must be at right angles, of 0.1 mm or more");
+  size_t numbers = 0;
+  for (size_t i = 0; i < bending.modes.size(); ++i) numbers += 7 + i;
+  if (s.covariance.size() != numbers)
+    context.Child("covariance_mm_mrad")
+        .Add(value.FindKey("covariance_mm_mrad")->mark,
+             fmt::format("needs {} numbers for {} modes, given {}", numbers, bending.modes.size(),
+                         s.covariance.size()));
+}
+
+Codec<BendingSettings> BendingFields() {
+  using S = BendingSettings;
+  return Section<S>(
+      {Key<S>("origin_mm", MILLPOSE_AT(shape.origin), Coordinates(), "Where u = v = 0, workpiece's frame.")
+           .Required(),
+       Key<S>("u_mm", MILLPOSE_AT(shape.u), Coordinates(), "From there to u = 1.").Required(),
+       Key<S>("v_mm", MILLPOSE_AT(shape.v), Coordinates(), "From there to v = 1, across u.").Required(),
+       Key<S>("modes_mm", MILLPOSE_AT(shape.modes), ModesFields(),
+              "Size of each mode at u = v = 1, along u × v (docs/registration.md).")
+           .Required(),
+       Key<S>("covariance_mm_mrad", MILLPOSE_AT(covariance), ModeRowsFields(),
+              "The covariance's further rows: of each mode with shift, turn and the modes up to itself.")
+           .Required()},
+      CheckBending);
+}
+
 Codec<RegisteredSettings> RegisteredFields() {
   using S = RegisteredSettings;
   return Section<S>(
@@ -66,19 +156,33 @@ Codec<RegisteredSettings> RegisteredFields() {
        Key<S>("covariance_mm_mrad", MILLPOSE_AT(covariance), CovarianceFields(),
               "Covariance of the part's shift along x, y, z (mm) and turn about x, y, z (mrad), workpiece's "
               "frame: the lower triangle, row by row.")
-           .Required()},
+           .Required(),
+       Key<S>("bending", MILLPOSE_AT(bending), Maybe(BendingFields()),
+              "How the clamps bend the part: its surface and tool path are bent so.")},
       CheckCovariance);
 }
 
-// A pose changed by hand is not the one that was measured.
+// A pose changed by hand is not the one that was measured, and bending is what the job allows.
 void CheckRegistered(const Value& value, const Context& context, const WorkpieceSettings& workpiece) {
   if (!workpiece.registered) return;
+  if (workpiece.registered->bending && !(workpiece.max_bending.value_or(0) > 0))
+    context.Child("registered")
+        .Child("bending")
+        .Add(value.FindKey("registered")->mark,
+             "is not allowed by the job; allowed: workpiece.registration.max_bending_mm above what it bends, "
+             "or "
+             "no bending");
   const PoseSettings& found = workpiece.registered->pose;
   if (found.position == workpiece.pose.position && found.abc == workpiece.pose.abc) return;
   context.Child("registered")
       .Add(value.FindKey("registered")->mark,
            "is of another pose than workpiece.pose; allowed: the pose that `millpose "
            "register` wrote with it, or no workpiece.registered");
+}
+
+void CheckRegistration(const Value& value, const Context& context, const WorkpieceSettings& workpiece) {
+  if (!workpiece.registration_tolerance && !workpiece.max_bending)
+    context.Add(value.mark, "says nothing; allowed: tolerance_mm, max_bending_mm or both");
 }
 
 void CheckPlacement(const Value& value, const Context& context, WorkpieceSettings& workpiece) {
@@ -166,14 +270,19 @@ Codec<WorkpieceSettings> WorkpieceFields() {
               .WhenSet([](const S& s) { return !s.targets.empty(); }),
           Key<S>("max_residual_mm", MILLPOSE_AT(max_residual), Real(kMm, Positive(1000)),
                  "Largest distance of a measured target from where the fit puts it."),
-          Key<S>("registration", kSelf,
-                 Section<S>({Key<S>("tolerance_mm", MILLPOSE_AT(registration_tolerance),
-                                    Maybe(Real(kMm, Positive(1000))),
-                                    "By how much the milled face may be off along its normal, since nobody "
-                                    "knows the part's place better (95 %); `millpose register` refuses more.")
-                                 .Required()}),
-                 "What the part's place must be known to.")
-              .WhenSet([](const S& s) { return s.registration_tolerance.has_value(); }),
+          Key<S>(
+              "registration", kSelf,
+              Section<S>({Key<S>("tolerance_mm", MILLPOSE_AT(registration_tolerance),
+                                 Maybe(Real(kMm, Positive(1000))),
+                                 "By how much the milled face may be off along its normal, since nobody "
+                                 "knows the part's place better (95 %); `millpose register` refuses more."),
+                          Key<S>("max_bending_mm", MILLPOSE_AT(max_bending), Maybe(Real(kMm, UpTo(100))),
+                                 "By how much the clamps may bend the part: `millpose register` takes "
+                                 "bending up to that into account and refuses more; 0: the part is "
+                                 "rigid, whatever the points say.")},
+                         CheckRegistration),
+              "What the part's place must be known to, and whether it may be bent.")
+              .WhenSet([](const S& s) { return s.registration_tolerance || s.max_bending; }),
           Key<S>("registered", MILLPOSE_AT(registered), Maybe(RegisteredFields()),
                  "How sure the pose is: written by `millpose register`."),
           Key<S>("weld_tolerance_mm", MILLPOSE_AT(weld_tolerance), Real(kMm, UpTo(100)),

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "machine/collision/station_path.hpp"
 
+#include "machine/collision/body_pairs.hpp"
 #include "machine/collision/world_impl.hpp"
 #include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr int kWorld = -1;  // moved by no external axis
 /// Distances are asked for up to this much more than the clearance, mm.
 constexpr double kNearPath = 200;
 
@@ -23,7 +23,7 @@ struct StationPath::Impl {
   std::shared_ptr<const World::Impl> world;
   Mechanism mechanism;
   double resolution;
-  std::vector<int> carrier;   ///< of each body: the external axis that it moves with, or kWorld
+  std::vector<int> carrier;   ///< of each body: the external axis that it moves with, or kNoCarrier
   std::vector<Pose> at_zero;  ///< of each body's shape in W, with all external axes at 0
   std::vector<WayPair> pairs;
 
@@ -32,7 +32,7 @@ struct StationPath::Impl {
     const std::array<Pose, 7> frames = FramesOf(world->cell, q);
     for (size_t i = 0; i < world->bodies.size(); ++i) {
       const WorldBody& body = world->bodies[i];
-      carrier.push_back(CarrierOf(i));
+      carrier.push_back(CarrierOfBody(i));
       at_zero.push_back(body.link > 0 ? world->cell.X_WB * frames[static_cast<size_t>(body.link)] * body.X_LG
                                       : body.X_LG);
     }
@@ -44,64 +44,20 @@ struct StationPath::Impl {
 
   static size_t Index(int body) { return static_cast<size_t>(body); }
 
-  /// The last axis that carries the robot, or the part.
-  int LastOf(Carries carried) const {
-    int last = kWorld;
-    for (size_t i = 0; i < mechanism.axes().size(); ++i)
-      if (mechanism.axes()[i].carries == carried) last = static_cast<int>(i);
-    return last;
-  }
-
-  int CarrierOf(size_t index) const {
+  int CarrierOfBody(size_t index) const {
     // Bodies that the world made itself hang on the tool.
-    if (index >= world->cell.bodies.size()) return LastOf(Carries::kRobot);
-    const Body& body = world->cell.bodies[index];
-    switch (body.mount) {
-      case Mount::kCarriage:
-        return body.axis;
-      case Mount::kWorkpiece:
-        return LastOf(Carries::kWorkpiece);
-      case Mount::kLink:
-      case Mount::kTool:
-        return LastOf(Carries::kRobot);
-      case Mount::kWorld:
-        break;
-    }
-    return kWorld;
+    if (index >= world->cell.bodies.size()) return LastCarrier(mechanism.axes(), Carries::kRobot);
+    return CarrierOf(mechanism.axes(), world->cell.bodies[index]);
   }
 
-  /// The axis that carries an axis.
-  int ParentOf(int axis) const {
-    for (int i = axis - 1; i >= 0; --i)
-      if (mechanism.axes()[Index(i)].carries == mechanism.axes()[Index(axis)].carries) return i;
-    return kWorld;
-  }
-
-  bool Excluded(const std::string& a, const std::string& b) const {
-    return std::ranges::any_of(world->cell.excluded_pairs, [&](const auto& pair) {
-      return pair == std::pair(a, b) || pair == std::pair(b, a);
-    });
-  }
-
-  /// Carriages, and the base on one, that meet in a joint.
-  bool Joined(size_t i, size_t j) const {
-    const auto guided = [&](size_t body) {
-      const Body& of = world->cell.bodies[body];
-      return of.mount == Mount::kCarriage || (of.mount == Mount::kLink && of.link == 0);
-    };
-    const int a = carrier[i], b = carrier[j];
-    if (a == kWorld || b == kWorld || !guided(i) || !guided(j)) return false;
-    return ParentOf(a) == b || ParentOf(b) == a;
-  }
-
+  /// Pairs that stand still in passes and move against each other on the way of external axes.
   void AddStanding() {
     const std::vector<Body>& bodies = world->cell.bodies;
     for (size_t i = 0; i < bodies.size(); ++i)
-      for (size_t j = i + 1; j < bodies.size(); ++j) {
-        if (world->bodies[i].link > 0 || world->bodies[j].link > 0 || carrier[i] == carrier[j]) continue;
-        if (Excluded(bodies[i].name, bodies[j].name) || Joined(i, j)) continue;
-        pairs.push_back({i, j, world->cell.clearances.free, true});
-      }
+      for (size_t j = i + 1; j < bodies.size(); ++j)
+        if (world->bodies[i].link == 0 && world->bodies[j].link == 0 &&
+            !NeverChecked(world->cell, bodies[i], bodies[j]))
+          pairs.push_back({i, j, world->cell.clearances.free, true});
   }
 
   std::vector<Placed> Place(const ExternalPosition& external) const {
@@ -109,8 +65,9 @@ struct StationPath::Impl {
     for (size_t i = 0; i < mechanism.axes().size(); ++i) moved.push_back(mechanism.MovedWith(i, external));
     std::vector<Placed> placed;
     for (size_t i = 0; i < world->bodies.size(); ++i)
-      placed.push_back(PlacePart(*world->bodies[i].part,
-                                 carrier[i] == kWorld ? at_zero[i] : moved[Index(carrier[i])] * at_zero[i]));
+      placed.push_back(PlacePart(*world->bodies[i].part, carrier[i] == kNoCarrier
+                                                             ? at_zero[i]
+                                                             : moved[Index(carrier[i])] * at_zero[i]));
     return placed;
   }
 
@@ -119,7 +76,7 @@ struct StationPath::Impl {
   double Travel(size_t body, const Placed& start, const ExternalPosition& from,
                 const ExternalPosition& to) const {
     double travel = 0;
-    for (int axis = carrier[body]; axis != kWorld; axis = ParentOf(axis)) {
+    for (int axis = carrier[body]; axis != kNoCarrier; axis = CarrierOfAxis(mechanism.axes(), axis)) {
       const double way = std::abs(to[Index(axis)] - from[Index(axis)]);
       if (mechanism.axes()[Index(axis)].kind == AxisKind::kLinear) {
         travel += way;

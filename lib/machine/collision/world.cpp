@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/error.hpp"
+#include "machine/collision/body_pairs.hpp"
 #include "machine/collision/cutter.hpp"
 #include "machine/collision/world_impl.hpp"
 
@@ -13,12 +14,6 @@ namespace {
 
 bool OnTool(BodyClass c) {
   return c == BodyClass::kCutter || c == BodyClass::kHolder || c == BodyClass::kSpindle;
-}
-
-/// The link that a body moves with; 0 for all that stand still.
-int LinkOf(const Body& body) {
-  if (body.mount == Mount::kTool) return 6;
-  return body.mount == Mount::kLink ? body.link : 0;
 }
 
 /// The motion, in W, of what external axis `axis` carries.
@@ -84,15 +79,6 @@ std::vector<Problem> FindProblems(const Cell& cell) {
   return problems;
 }
 
-/// Pairs that need no look because of what the bodies are and hang on.
-bool NeverChecked(const Body& a, const Body& b) {
-  const int link_a = LinkOf(a), link_b = LinkOf(b);
-  if (link_a == link_b) return true;  // no relative motion
-  // Neighbouring links meet in their joint.
-  return a.body_class == BodyClass::kLink && b.body_class == BodyClass::kLink &&
-         std::abs(link_a - link_b) == 1;
-}
-
 /// Lower is checked earlier: the tool at the part, the tool elsewhere, outer links, inner links.
 int Rank(const Body& a, const Body& b) {
   const bool tool = OnTool(a.body_class) || OnTool(b.body_class);
@@ -120,7 +106,7 @@ std::shared_ptr<const World::Impl> World::Impl::Build(Cell cell) {
   for (size_t i = 0; i < cell.bodies.size(); ++i) {
     for (size_t j = i + 1; j < cell.bodies.size(); ++j) {
       const Body &a = cell.bodies[i], &b = cell.bodies[j];
-      if (NeverChecked(a, b) || excluded.contains({a.name, b.name})) continue;
+      if (MeetInArm(a, b) || excluded.contains({a.name, b.name})) continue;
       for (const BodyPair& pair : impl->PairsOf(cell, static_cast<int>(i), static_cast<int>(j))) {
         ranked.emplace_back(Rank(a, b), pair);
         ranked.back().second.kind = impl->KindOf(cell, pair);

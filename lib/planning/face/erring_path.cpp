@@ -137,6 +137,10 @@ CutterPlace ErringPath::PlaceOf(const Point& point, const ToolErrors& errors, co
   twist.tail<3>() += point.R_PT * errors.lean;
   twist.head<3>() -= errors.part_shift + errors.part_turn.cross(point.nominal.tip - errors.part_centre);
   twist.tail<3>() -= errors.part_turn;
+  if (!errors.part_bending.modes.empty()) {
+    twist.head<3>() -= errors.part_bending.Bent(point.nominal.tip) - point.nominal.tip;
+    twist.tail<3>() -= errors.part_bending.SmallTurn(point.nominal.tip);
+  }
   const Vector3d turn = twist.tail<3>();
   return {point.nominal.tip + twist.head<3>(),
           (point.nominal.axis + Cross(turn) * point.nominal.axis).normalized()};

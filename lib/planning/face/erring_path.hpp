@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "geometry/registration/bending.hpp"
 #include "machine/motion/lost_motion.hpp"
 #include "machine/stiffness/series.hpp"
 #include "planning/face/arm_geometry.hpp"
@@ -26,6 +27,7 @@ struct ToolErrors {
   /// The part's shift (mm) and turn (rad) about `part_centre` from where the job has it, all in P.
   Eigen::Vector3d part_shift = Eigen::Vector3d::Zero(), part_turn = Eigen::Vector3d::Zero();
   Eigen::Vector3d part_centre = Eigen::Vector3d::Zero();
+  PartBending part_bending;  ///< how it is bent besides; without modes: no more than the plan has it
 };
 
 /// The cuts that leave a plan's finished face, with what moves the tool at their points.

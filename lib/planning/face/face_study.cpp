@@ -49,12 +49,14 @@ ToolErrors Drawn(const StatedErrors& stated, uint64_t seed, size_t draw) {
     for (int i = 0; i < 6; ++i) errors.gears.phase[i] = random.Uniform(-kPi, kPi);
   }
   if (stated.part) {
-    Joints normal;
-    for (int i = 0; i < 6; ++i) normal[i] = random.Normal();
-    const Joints moved = *stated.part * normal;
+    ProbeVector normal(stated.part->cols());
+    for (Eigen::Index i = 0; i < normal.size(); ++i) normal[i] = random.Normal();
+    const ProbeVector moved = *stated.part * normal;
     errors.part_shift = moved.head<3>();
-    errors.part_turn = moved.tail<3>();
+    errors.part_turn = moved.segment<3>(3);
     errors.part_centre = stated.part_centre;
+    errors.part_bending = stated.part_bending;
+    errors.part_bending.modes.assign(moved.data() + 6, moved.data() + moved.size());
   }
   return errors;
 }

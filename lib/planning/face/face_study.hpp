@@ -22,8 +22,9 @@ struct StatedErrors {
   double lean = 0;                 ///< of the tool axis in the flange, rad
   std::optional<GearError> gears;  ///< periodic, of any phase
   /// Where the part stands: standard deviations of its shift (mm) and turn (rad) about `part_centre`, in P,
-  /// as the root L of their covariance L·Lᵀ.
-  std::optional<Matrix6> part;
+  /// as the root L of their covariance L·Lᵀ; below them rows of the modes of `part_bending`, mm.
+  std::optional<ProbeMatrix> part;
+  PartBending part_bending;  ///< its frame; the modes' sizes do not count
   Eigen::Vector3d part_centre = Eigen::Vector3d::Zero();
 
   /// Whether a drawn face can differ from the expected one.

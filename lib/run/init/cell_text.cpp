@@ -303,6 +303,7 @@ std::string YamlPath(const fs::path& file, const fs::path& folder) {
 std::string SampleCellText(const std::string& name) {
   std::vector<std::string> names;
   for (const SampleCell& cell : SampleCells()) {
+    if (!cell.first) continue;
     names.emplace_back(cell.name);
     if (cell.name != name) continue;
     std::string text = kHead;

@@ -10,9 +10,10 @@ namespace millpose {
 struct SampleCell {
   std::string_view name;  ///< of the file, without ending
   std::string_view text;
+  bool first;  ///< `init` can begin with it
 };
 
-/// All that programs may be written for, by name. Made by embed.cmake.
+/// All of them, by name. Made by embed.cmake.
 const std::vector<SampleCell>& SampleCells();
 
 }  // namespace millpose

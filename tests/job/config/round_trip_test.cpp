@@ -188,6 +188,59 @@ TEST(RoundTrip, ARegisteredPlaceSurvives) {
   EXPECT_NE(refusal(pose, "1, 2, 3").find("allowed: a list of 21 numbers"), std::string::npos);
 }
 
+// Of a bent part: modes by name in their order, the covariance's further rows with turns in mrad.
+TEST(RoundTrip, ABentPartSurvives) {
+  const std::filesystem::path file = std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml";
+  const std::string pose = "{xyz_mm: [2076, 0, 1006], abc_deg: [0, -90, 0]}";
+  std::string rows;
+  for (int i = 6; i < 9; ++i)
+    for (int j = 0; j <= i; ++j)
+      rows += fmt::format("{}{}", rows.empty() ? "" : ", ", i == j ? 0.01 * i : j == 4 ? 0.002 : 0);
+  const auto job = [&](const std::string& modes, const std::string& numbers) {
+    std::string text = ReadFile(file);
+    text.replace(
+        text.find("pose: " + pose), 6 + pose.size(),
+        fmt::format(
+            "pose: {0}\n  registration: {{max_bending_mm: 1}}\n  registered: {{pose: {0}, centre_mm: [0, "
+            "0, 0], covariance_mm_mrad: [1, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1], "
+            "bending: {{origin_mm: [1, 2, 3], u_mm: [40, 0, 0], v_mm: [0, 30, 0], modes_mm: {{{1}}}, "
+            "covariance_mm_mrad: [{2}]}}}}",
+            pose, modes, numbers));
+    return text;
+  };
+  const std::string written = WriteJob(ParseJob(job("v2: 0.3, u2: -0.1, uv: 0.2", rows), "job"));
+  const JobSettings again = ParseJob(written, "written");
+  EXPECT_EQ(WriteJob(again), written);
+  EXPECT_EQ(again.workpiece.max_bending, 1);
+  ASSERT_TRUE(again.workpiece.registered && again.workpiece.registered->bending);
+  const RegisteredSettings& registered = *again.workpiece.registered;
+  EXPECT_EQ(registered.bending->shape.modes, (std::vector<double>{-0.1, 0.2, 0.3}));
+  EXPECT_EQ(registered.bending->shape.v, Eigen::Vector3d(0, 30, 0));
+  const ProbeMatrix whole = registered.WholeCovariance();
+  ASSERT_EQ(whole.rows(), 9);
+  EXPECT_DOUBLE_EQ(whole(3, 3), 1e-6);
+  EXPECT_DOUBLE_EQ(whole(7, 4), 2e-6);
+  EXPECT_DOUBLE_EQ(whole(4, 8), 2e-6);
+  EXPECT_DOUBLE_EQ(whole(8, 8), 0.08);
+  const auto refusal = [&](const std::string& modes, const std::string& numbers) -> std::string {
+    try {
+      ParseJob(job(modes, numbers), "job");
+      return "";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_NE(refusal("u2: 1, uv: 1, v2: 1, u2v: 1", rows).find("needs the first three or more of u2, uv, v2"),
+            std::string::npos);
+  EXPECT_NE(refusal("u2: 1, uv: 1, v2: 1, u3: 1", rows).find("needs 34 numbers for 4 modes, given 24"),
+            std::string::npos);
+  EXPECT_NE(refusal("u2: 1, uv: 1, v2: 1, v3: 1", rows).find("v3"), std::string::npos);
+  std::string wrong = rows;
+  wrong.replace(wrong.find("0.002"), 5, "0.9");
+  EXPECT_NE(refusal("u2: 1, uv: 1, v2: 1", wrong).find("bending: is no covariance: row 7, column 5"),
+            std::string::npos);
+}
+
 TEST(RoundTrip, EveryKindOfKeySurvives) {
   const CellSettings cell = ParseCell(kCellWithEverything, "cell");
   const std::string written = WriteCell(cell);

@@ -66,7 +66,7 @@ TEST(FaceStudy, ConstantErrorIsLevel) {
 // The part stands elsewhere than it was registered: the level is as unsure as that.
 TEST(FaceStudy, DrawnPlacesOfThePartMoveTheLevel) {
   StatedErrors stated;
-  stated.part = Matrix6::Zero();
+  stated.part = ProbeMatrix::Zero(6, 6);
   const PlanResult plan = AtOneRotation();
   const Vector3d normal = plan.X_WP.linear().transpose() * plan.passes[0].points[0].point.normal;
   stated.part->topLeftCorner<3, 3>() = 0.1 * normal * normal.transpose();
@@ -81,7 +81,7 @@ TEST(FaceStudy, DrawnPlacesOfThePartMoveTheLevel) {
 // Turned about its middle: heights differ across it, the mean does not.
 TEST(FaceStudy, DrawnTurnsOfThePartTiltTheFace) {
   StatedErrors stated;
-  stated.part = Matrix6::Zero();
+  stated.part = ProbeMatrix::Zero(6, 6);
   const PlanResult plan = AtOneRotation();
   const Vector3d normal = plan.X_WP.linear().transpose() * plan.passes[0].points[0].point.normal;
   const Vector3d along = normal.unitOrthogonal();
@@ -94,6 +94,36 @@ TEST(FaceStudy, DrawnTurnsOfThePartTiltTheFace) {
   ASSERT_TRUE(study.drawn);
   EXPECT_GT(study.drawn->added.high, 2e-3);
   EXPECT_LT(study.drawn->level.high, 0.2 * study.drawn->added.high);
+}
+
+// Bent otherwise than it was registered: heights differ as the mode says.
+TEST(FaceStudy, DrawnBendingOfThePartBendsTheFace) {
+  constexpr double kSd = 0.05;
+  StatedErrors stated;
+  const PlanResult plan = AtOneRotation();
+  const Vector3d normal = plan.X_WP.linear().transpose() * plan.passes[0].points[0].point.normal;
+  std::vector<Vector3d> places;
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points)
+      places.emplace_back(plan.X_WP.inverse() * point.point.position);
+  for (const Vector3d& p : places) stated.part_bending.origin += p / static_cast<double>(places.size());
+  stated.part_bending.u = 30 * normal.unitOrthogonal();
+  stated.part_bending.v = normal.cross(stated.part_bending.u);
+  stated.part_bending.modes = {0, 0, 0};
+  stated.part = ProbeMatrix::Zero(9, 9);
+  (*stated.part)(7, 7) = kSd;  // a twist: d = a·u·v
+  double largest = 0;
+  for (const Vector3d& p : places) {
+    const Vector3d from = p - stated.part_bending.origin;
+    largest = std::max(largest,
+                       std::abs(from.dot(stated.part_bending.u) * from.dot(stated.part_bending.v)) / 810000);
+  }
+  const FaceStudy study = Studied(plan, stated, 200);
+  ASSERT_TRUE(study.drawn);
+  EXPECT_GT(study.drawn->added.high, largest * kSd);
+  EXPECT_LT(study.drawn->added.high, 12 * largest * kSd);  // the face is wider than the tips by the cutter
+  EXPECT_LT(study.drawn->level.high, 0.3 * study.drawn->added.high);
+  EXPECT_NEAR(study.expected.figures.heights.level, 0, 1e-8);
 }
 
 // One gear with an error in one pose: what it displaces along the normal lies within the amplitude and, as

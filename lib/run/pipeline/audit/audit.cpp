@@ -45,8 +45,24 @@ long long BeyondAxes(const PlanResult& plan, const PassResult& pass) {
   return beyond;
 }
 
+/// Of the cut points from the part, in P; of a bent one before it is bent, where its faces are as given.
+class SurfaceDistance {
+ public:
+  SurfaceDistance(const Mesh& mesh, const std::optional<PartBending>& bending)
+      : mesh_(bending ? Mesh(UnbentTriangles(mesh.triangles(), *bending)) : mesh), bending_(bending) {}
+  double operator()(const Eigen::Vector3d& p) const {
+    if (mesh_.face_count() == 0) return 0;
+    return mesh_.Closest(bending_ ? bending_->Unbent(p) : p).distance;
+  }
+
+ private:
+  Mesh mesh_;
+  const std::optional<PartBending>& bending_;
+};
+
 void AuditPoints(const PlanResult& plan, const Mesh& mesh, const AuditRules& rules, AuditFigures* figures) {
   const AdmissibleBounds& bounds = rules.bounds;
+  const SurfaceDistance distance(mesh, rules.bending);
   // Of a leaning cutter not the tip lies on the surface.
   const auto on_surface = [&](const MillingPoint& point) {
     return ContactAtTip(rules.cutter, point.position, point.normal, point.tool_axis);
@@ -55,9 +71,9 @@ void AuditPoints(const PlanResult& plan, const Mesh& mesh, const AuditRules& rul
     Pose X_PW = PartAt(plan, pass.external).inverse();
     for (const PlannedPoint& point : pass.points) {
       if (point.external) X_PW = PartAt(plan, *point.external).inverse();
-      if (point.point.kind == PointKind::kCut && mesh.face_count() > 0)
+      if (point.point.kind == PointKind::kCut)
         figures->max_slice_distance_mm =
-            std::max(figures->max_slice_distance_mm, mesh.Closest(X_PW * on_surface(point.point)).distance);
+            std::max(figures->max_slice_distance_mm, distance(X_PW * on_surface(point.point)));
       if (point.skip != Infeasibility::kNone) continue;
       if (!bounds.Hold(point.q, 1e-9)) ++figures->limit_violations;
     }

@@ -5,6 +5,7 @@
 
 #include "base/execution.hpp"
 #include "geometry/mesh/mesh.hpp"
+#include "geometry/registration/bending.hpp"
 #include "machine/collision/cell.hpp"
 #include "planning/pose/scorer.hpp"
 #include "planning/result/plan_result.hpp"
@@ -20,6 +21,7 @@ struct AuditRules {
   double resolution = 0;  ///< mm: what a motion between two points may miss of a clearance
   /// Where the programs take the arm's deviations out: commanded motions are then those of the arm as it is.
   std::optional<ArmDeviations> deviations = {};
+  std::optional<PartBending> bending = {};  ///< of a bent part
 };
 
 /// Recomputes the figures of summary.json's `audit` from the finished plan, but for those of the optima

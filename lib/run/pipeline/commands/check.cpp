@@ -9,6 +9,7 @@
 #include "geometry/mesh/corner_normals.hpp"
 #include "geometry/mesh/round_holes.hpp"
 #include "job/assemble.hpp"
+#include "job/bent_part.hpp"
 #include "job/locate.hpp"
 #include "job/plausible.hpp"
 #include "job/step_meshes.hpp"
@@ -217,7 +218,8 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
   view.cell = &prepared.cell;
   view.part = &prepared.surface.mesh;
   if (prepared.surface.mesh.face_count() > 0 && inputs.job.toolpath.strategy->File().empty()) {
-    const Region region(prepared.surface.mesh, MakeToolpathOptions(inputs.job, inputs.cell.tool).region);
+    const Region region(UnbentPart(inputs.job, prepared.surface.mesh),
+                        MakeToolpathOptions(inputs.job, inputs.cell.tool).region);
     for (int face = 0; face < prepared.surface.mesh.face_count(); ++face)
       view.in_region.push_back(region.HasFace(face));
   }

@@ -225,6 +225,7 @@ class Diff {
                              "reversals.marks_sum_um",
                              "budget.sum_um",
                              "registration.face_um_95",
+                             "registration.bent_mm",
                              "stock.removed_cm3",
                              "stock.pieces_left_out",
                              "base_window.shift_mm",

@@ -7,34 +7,10 @@
 #include "job/assemble.hpp"
 #include "job/step_meshes.hpp"
 #include "job/workpiece.hpp"
-#include "store/output_folder.hpp"
-#include "store/read_whole.hpp"
+#include "run/pipeline/commands/plan_folder.hpp"
 
 namespace millpose {
 namespace {
-
-/// A plan's folder, of one set.
-struct PlanFolder {
-  PlanResult plan;
-  JobInputs inputs;
-  std::string summary;
-};
-
-PlanFolder ReadFolder(const FaceArguments& arguments) {
-  PlanFolder read;
-  arguments.root.CheckFolder(arguments.plan);
-  ReadWhole(arguments.plan, [&] {
-    RefuseSeveral(arguments.plan);
-    const std::filesystem::path plan_file = arguments.plan / kPlanFile;
-    read.plan = ParsePlanResult(arguments.root.Read(plan_file), plan_file.string());
-    read.summary = arguments.root.Read(arguments.plan / "summary.json");
-    std::optional<std::filesystem::path> origin;
-    if (arguments.job) origin = std::filesystem::absolute(*arguments.job).parent_path();
-    read.inputs = LoadJobInputs(arguments.plan / "job.yaml", {}, origin, arguments.root);
-    TakeCachedMeshes(arguments.plan, &read.inputs);
-  });
-  return read;
-}
 
 /// The best fixed rotation of the job, or why there is none, as the plan found them.
 void TakeFixedRotation(const PlanFolder& folder, const std::string& name, FaceOptions& options) {
@@ -53,7 +29,7 @@ void TakeFixedRotation(const PlanFolder& folder, const std::string& name, FaceOp
 }  // namespace
 
 FaceReport FaceOfFolder(const FaceArguments& arguments, const Execution& execution) {
-  PlanFolder folder = ReadFolder(arguments);
+  PlanFolder folder = ReadPlanFolder(arguments.plan, arguments.job, arguments.root, PlanFiles::kAsTheyStand);
   FaceOptions options = arguments.options;
   if (!options.rotation) TakeFixedRotation(folder, (arguments.plan / "summary.json").string(), options);
   CutStepFiles(

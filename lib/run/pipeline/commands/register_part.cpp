@@ -24,7 +24,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kLengthDecimals = 4, kAngleDecimals = 7;  // mm, degrees: far below what is known
+// mm, degrees, mm: far below what is known.
+constexpr int kLengthDecimals = 4, kAngleDecimals = 7, kModeDecimals = 6;
 
 /// The points, each with the line it came from.
 struct ProbedSet {
@@ -212,10 +213,32 @@ void Propose(const RegisterArguments& arguments, const JobInputs& inputs, const 
       part.mesh(), part.size() / kSpacings, radius + kFromEdge, inputs.job.toolpath.crease, kCandidates);
   ProbeReach reach(std::move(cell), MakeBounds(inputs.job, MakeArm(inputs.cell.arm)));
   const double now = result.error.sd[result.error.worst];
-  for (const NextPlace& next : ProposePlaces(result.found.covariance, result.found.centre, face, candidates,
-                                             sd * std::max(1.0, result.found.scatter), arguments.propose,
-                                             [&](size_t candidate) { return reach(candidates[candidate]); }))
+  for (const NextPlace& next : ProposePlaces(
+           result.found.covariance, result.found.centre, face, candidates,
+           sd * std::max(1.0, result.found.scatter), arguments.propose,
+           [&](size_t candidate) { return reach(candidates[candidate]); }, result.found.Bending()))
     result.next.push_back({candidates[next.candidate], result.error.off_95 * next.worst_sd / now});
+}
+
+/// What is wrong with the part's bending; empty: nothing.
+std::string BendingFinding(const RegisteredPart& part) {
+  if (!part.bent || part.found.bending) return {};
+  const BentRegistration& bent = *part.bent;
+  const std::string by =
+      fmt::format("the part is bent by up to {:.3f} ± {:.3f} mm (95 %; by chance: p {:.1g})", bent.largest,
+                  bent.largest_95, bent.p);
+  if (!part.max_bending) {
+    // A rigid part's figures hold where what they leave out is no larger.
+    const double room = part.tolerance ? *part.tolerance - part.error.off_95 : part.error.off_95;
+    if (bent.largest <= room) return {};
+    return by +
+           ", and the face is not where a rigid one would be: allow it by "
+           "workpiece.registration.max_bending_mm (0: take it as rigid all the same)";
+  }
+  if (*part.max_bending <= 0) return {};
+  if (bent.largest > *part.max_bending)
+    return by + fmt::format("; allowed: workpiece.registration.max_bending_mm, {:.3f} mm", *part.max_bending);
+  return by + fmt::format(" at a slope of {:.2f}; allowed: {} mm/mm", bent.slope, kSteepestBending);
 }
 
 void Judge(const ProbedSet& probed, RegisteredPart& part) {
@@ -245,6 +268,8 @@ void Judge(const ProbedSet& probed, RegisteredPart& part) {
   if (!found.converged)
     part.findings.emplace_back(
         "the fit does not come to rest: the job's pose is too far from where the part is");
+  if (std::string finding = BendingFinding(part); !finding.empty())
+    part.findings.push_back(std::move(finding));
   if (found.determined() && part.tolerance && part.error.off_95 > *part.tolerance)
     part.findings.push_back(
         fmt::format("the face may be off by {:.0f} µm (95 %); allowed: "
@@ -257,10 +282,22 @@ void Judge(const ProbedSet& probed, RegisteredPart& part) {
                     1000 * part.error.off_95, 1000 * *part.last_layer));
 }
 
+/// The fit, of a bent part where the points ask for it and the job allows it.
+void FitPart(const ProbedPart& part, const std::vector<ProbedPoint>& points,
+             const WorkpieceSettings& workpiece, const Execution& execution, RegisteredPart& result) {
+  result.max_bending = workpiece.max_bending;
+  result.found = Register(part, points, MakePose(workpiece.pose), execution.Threads(), execution.stop);
+  result.bent = RegisterBent(part, points, result.found, execution.Threads(), execution.stop);
+  if (result.bent && result.bent->largest <= workpiece.max_bending.value_or(0) &&
+      result.bent->slope <= kSteepestBending)
+    result.found = result.bent->found;
+}
+
 RegisteredPart Registered(const RegisterArguments& arguments, std::vector<JobInputs>& operations,
                           const Execution& execution) {
   JobInputs& inputs = operations.front();
   RefuseJob(inputs);
+  for (JobInputs& each : operations) each.job.workpiece.registered.reset();  // what was found before
   const ProbedSet probed = ReadProbed(arguments);
   execution.progress.Begin(SurfaceStage(inputs), 0);
   for (JobInputs& each : operations)
@@ -276,16 +313,18 @@ RegisteredPart Registered(const RegisterArguments& arguments, std::vector<JobInp
   const WorkpieceSettings& workpiece = inputs.job.workpiece;
   const Pose start = MakePose(workpiece.pose);
   RegisteredPart result;
-  result.found = Register(part, probed.points, start, execution.Threads(), execution.stop);
+  FitPart(part, probed.points, workpiece, execution, result);
   result.points = probed.points.size();
   result.milled = face.size();
   result.pose = AsWritten(result.found.X);
   result.tolerance = workpiece.registration_tolerance;
   result.last_layer = LeastLastLayer(operations);
-  result.error = ErrorOfFace(result.found.covariance, result.found.centre, face);
+  result.error = ErrorOfFace(result.found.covariance, result.found.centre, face, result.found.Bending());
   if (!face.empty()) result.worst = face[result.error.worst];
-  for (const PartPlace& place : face)
-    result.moved = std::max(result.moved, (result.found.X * place.position - start * place.position).norm());
+  for (const PartPlace& place : face) {
+    const Vector3d bent = result.found.bending ? result.found.bending->Bent(place.position) : place.position;
+    result.moved = std::max(result.moved, (result.found.X * bent - start * place.position).norm());
+  }
   Judge(probed, result);
   const Pose X_WF = workpiece.frame == GivenFrame::kRobotBase ? cell.X_WB : Pose::Identity();
   cell.X_WP = X_WF * MakePose(result.pose);
@@ -307,13 +346,32 @@ std::string RegisteredPart::PoseYaml() const {
 }
 
 std::string RegisteredPart::RegisteredYaml() const {
-  std::string numbers;
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j <= i; ++j)
-      numbers += fmt::format("{}{:.6g}", numbers.empty() ? "" : ", ",
-                             found.covariance(i, j) * (i < 3 ? 1 : 1e3) * (j < 3 ? 1 : 1e3) + 0.0);
-  return fmt::format("{{pose: {}, centre_mm: {}, covariance_mm_mrad: [{}]}}", PoseYaml(),
-                     ListText(found.centre, 3), numbers);
+  const auto rows = [&](int from, int to) {
+    std::string numbers;
+    for (int i = from; i < to; ++i)
+      for (int j = 0; j <= i; ++j)
+        numbers += fmt::format("{}{:.6g}", numbers.empty() ? "" : ", ", CovarianceMrad(i, j));
+    return numbers;
+  };
+  std::string bending;
+  if (found.bending) {
+    std::string modes;
+    for (size_t i = 0; i < found.bending->modes.size(); ++i)
+      modes += fmt::format("{}{}: {}", i == 0 ? "" : ", ", kModeNames[i],
+                           Short(found.bending->modes[i], kModeDecimals));
+    bending = fmt::format(
+        ", bending: {{origin_mm: {}, u_mm: {}, v_mm: {}, modes_mm: {{{}}}, covariance_mm_mrad: [{}]}}",
+        ListText(found.bending->origin, kLengthDecimals), ListText(found.bending->u, kLengthDecimals),
+        ListText(found.bending->v, kLengthDecimals), modes,
+        rows(6, static_cast<int>(found.covariance.rows())));
+  }
+  return fmt::format("{{pose: {}, centre_mm: {}, covariance_mm_mrad: [{}]{}}}", PoseYaml(),
+                     ListText(found.centre, 3), rows(0, 6), bending);
+}
+
+double RegisteredPart::CovarianceMrad(int i, int j) const {
+  const auto per_mrad = [](int k) { return k >= 3 && k < 6 ? 1e3 : 1.0; };
+  return found.covariance(i, j) * per_mrad(i) * per_mrad(j) + 0.0;
 }
 
 RegisteredPart RegisterPart(const RegisterArguments& arguments, const Execution& execution) {

@@ -41,18 +41,20 @@ struct ProposedPlace {
 };
 
 struct RegisteredPart {
-  Registration found;
-  PoseSettings pose;  ///< rounded as it is written, and what the figures below are of
+  Registration found;                    ///< bent where the points ask for it and the job allows it
+  std::optional<BentRegistration> bent;  ///< what the points ask for
+  PoseSettings pose;                     ///< rounded as it is written, and what the figures below are of
   size_t points = 0;
-  size_t milled = 0;                   ///< cut points of the job
-  FaceError error;                     ///< at these
-  PartPlace worst;                     ///< where the face's place is known worst
-  double moved = 0;                    ///< mm: farthest that a cut point moved from the job's pose
-  double rms = 0;                      ///< mm, of the distances that count
+  size_t milled = 0;  ///< cut points of the job
+  FaceError error;    ///< at these
+  PartPlace worst;    ///< where the face's place is known worst
+  double moved = 0;   ///< mm: farthest that a cut point moved from the job's pose, bending too
+  double rms = 0;     ///< mm, of the distances that count
   std::vector<ProbeOutlier> outliers;  ///< worst first
   std::vector<ProposedPlace> next;
-  std::optional<double> tolerance;   ///< mm, of the job
-  std::optional<double> last_layer;  ///< mm, that it takes off at least; empty: no job says
+  std::optional<double> tolerance;    ///< mm, of the job
+  std::optional<double> max_bending;  ///< likewise
+  std::optional<double> last_layer;   ///< mm, that it takes off at least; empty: no job says
   std::vector<std::string> findings;
 
   /// Whether the pose may be written.
@@ -60,6 +62,8 @@ struct RegisteredPart {
   /// workpiece.pose and workpiece.registered as YAML in one line each.
   std::string PoseYaml() const;
   std::string RegisteredYaml() const;
+  /// Of the covariance, in mm and mrad.
+  double CovarianceMrad(int i, int j) const;
 };
 
 /// Throws InputError for what cannot be read and for a job without a part or whose part stands by targets;

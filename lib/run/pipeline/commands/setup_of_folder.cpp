@@ -20,9 +20,9 @@
 #include "report/setup_picture.hpp"
 #include "report/setup_sheet.hpp"
 #include "report/view_mesh.hpp"
+#include "run/pipeline/commands/plan_folder.hpp"
 #include "run/pipeline/operations/done_operation.hpp"
 #include "store/output_folder.hpp"
-#include "store/read_whole.hpp"
 
 namespace millpose {
 namespace {
@@ -33,33 +33,19 @@ using Eigen::Vector3d;
 
 /// One operation, or the job where it has none.
 struct Operation {
-  std::string name, folder;
+  std::string name,
+      folder;  ///< the folder below the job's output folder; empty where that holds the one plan
   PlanResult plan;
   JobInputs inputs;
   JsonTree summary;
-  std::string job, cell;  ///< as resolved, YAML
 };
 
-/// `below`: of the job's output folder; empty where that holds the one plan.
 Operation ReadOne(const SetupArguments& arguments, const std::string& below) {
-  Operation read;
-  read.folder = below;
-  const fs::path folder = below.empty() ? arguments.plan : arguments.plan / below;
-  arguments.root.CheckFolder(folder);
-  ReadWhole(folder, [&] {
-    const Folder open(folder);
-    const fs::path plan_file = folder / kPlanFile;
-    read.plan = ParsePlanResult(open.Read(kPlanFile), plan_file.string());
-    read.summary = JsonTree::parse(open.Read("summary.json"), nullptr, false);
-    read.job = open.Read("job.yaml");
-    read.cell = open.Read("cell.yaml");
-    std::optional<fs::path> origin;
-    if (arguments.job) origin = fs::absolute(*arguments.job).parent_path();
-    read.inputs = LoadJobInputs(folder / "job.yaml", {}, origin, arguments.root);
-    TakeCachedMeshes(folder, &read.inputs);
-  });
-  read.name = below.empty() ? read.plan.job : read.inputs.job.operation;
-  return read;
+  PlanFolder read =
+      ReadPlanFolder(below.empty() ? arguments.plan : arguments.plan / below, arguments.job, arguments.root);
+  const std::string name = below.empty() ? read.plan.job : read.inputs.job.operation;
+  return {name, below, std::move(read.plan), std::move(read.inputs),
+          JsonTree::parse(read.summary, nullptr, false)};
 }
 
 /// Three numbers to `digits` decimals; no -0.
@@ -355,8 +341,8 @@ std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop)
     }
     AddFirstRuns(operations, sheet);
     for (const Operation& one : operations)
-      sheet.appendix.emplace_back(several ? one.name + "/job.yaml" : "job.yaml", one.job);
-    sheet.appendix.emplace_back("cell.yaml", first.cell);
+      sheet.appendix.emplace_back(several ? one.name + "/job.yaml" : "job.yaml", one.inputs.job_text);
+    sheet.appendix.emplace_back("cell.yaml", first.inputs.cell.text);
   } catch (const JsonTree::exception&) {
     throw InputError({(arguments.plan / "summary.json").string()}, "is no summary that millpose plan wrote");
   }

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "job/assemble.hpp"
+#include "job/bent_part.hpp"
 #include "planning/face/fixed_plan.hpp"
 #include "run/pipeline/outputs/write_results.hpp"
 #include "toolpath/strategy.hpp"
@@ -37,11 +38,11 @@ std::function<Joints(const Joints&)> WeightIn(const Arm& arm, const GearModel& g
 }
 
 /// L of a covariance L·Lᵀ, which may be of less than full rank.
-Matrix6 RootOf(const Matrix6& covariance) {
-  const Eigen::LDLT<Matrix6> factor(covariance);
-  const Matrix6 lower = factor.matrixL();
+ProbeMatrix RootOf(const ProbeMatrix& covariance) {
+  const Eigen::LDLT<ProbeMatrix> factor(covariance);
+  const ProbeMatrix lower = factor.matrixL();
   return factor.transpositionsP().transpose() *
-         Matrix6(lower * factor.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
+         ProbeMatrix(lower * factor.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
 }
 
 StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const GearModel& gears) {
@@ -62,8 +63,9 @@ StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const Gea
   stated.gears = gears.error;
   stated.geometry = inputs.cell.arm.deviations.has_value();
   if (const std::optional<RegisteredSettings>& part = inputs.job.workpiece.registered) {
-    stated.part = RootOf(part->covariance);
+    stated.part = RootOf(part->WholeCovariance());
     stated.part_centre = part->centre;
+    if (part->bending) stated.part_bending = part->bending->shape;
   }
   return stated;
 }
@@ -88,6 +90,13 @@ FaceRays RaysFor(const JobInputs& inputs, const Region& region, double spacing) 
   if (rays.rays.empty())
     throw InputError({inputs.job_file.string()},
                      fmt::format("the region holds no place at a spacing of {:.6g} mm", spacing));
+  if (const PartBending* bending = BendingOf(inputs.job)) {
+    rays.plane = false;
+    for (SurfaceRay& ray : rays.rays) {
+      ray.normal = bending->BentNormal(ray.origin, ray.normal);
+      ray.origin = bending->Bent(ray.origin);
+    }
+  }
   return rays;
 }
 
@@ -108,7 +117,7 @@ void RequireFace(const JobInputs& inputs) {
 FaceReport PredictFace(const JobInputs& inputs, const PlanResult& plan, const Mesh& mesh,
                        const Stations& stations, const FaceOptions& options, const Execution& execution) {
   RequireFace(inputs);
-  const Region region(mesh, MakeToolpathOptions(inputs.job, inputs.cell.tool).region);
+  const Region region(UnbentPart(inputs.job, mesh), MakeToolpathOptions(inputs.job, inputs.cell.tool).region);
   const double spacing = options.spacing > 0 ? options.spacing : std::max(kFinest, SpacingFor(region, kRays));
   FaceReport report;
   report.job = plan.job;

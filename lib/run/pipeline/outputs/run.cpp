@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "job/assemble.hpp"
+#include "job/bent_part.hpp"
 #include "job/compensate_job.hpp"
 #include "job/config/config.hpp"
 #include "job/step_meshes.hpp"
@@ -45,8 +46,9 @@ bool IsComplete(const PlanResult& plan, const ReportInputs& report) {
 AuditFigures JudgePlan(const JobInputs& inputs, const Execution& execution, PlannedJob& job,
                        std::vector<std::string>& findings) {
   execution.progress.Begin("audit", 0);
-  const AuditRules rules{job.prepared.problem.bounds, MakeCutterShape(inputs.cell.tool),
-                         inputs.job.swept_resolution, CommandedDeviations(inputs.job, inputs.cell)};
+  AuditRules rules{job.prepared.problem.bounds, MakeCutterShape(inputs.cell.tool),
+                   inputs.job.swept_resolution, CommandedDeviations(inputs.job, inputs.cell)};
+  if (const PartBending* bending = BendingOf(inputs.job)) rules.bending = *bending;
   AuditFigures audit = Audit(job.plan, job.prepared.surface.mesh, job.prepared.cell, rules, execution);
   JudgeOptima(job.prepared.stations, inputs.job.path.genetic, inputs.job.exhaustive_step, execution, job.plan,
               audit);

@@ -6,17 +6,23 @@
 
 namespace millpose {
 
-Timeline PlanTimeline(const PlanResult& plan, const JobInputs& inputs) {
-  const JobSettings& job = inputs.job;
+MotionOptions RunOptions(const JobSettings& job) {
   MotionOptions options;
   options.approach_feed = job.approach_feed;
   options.approach_slow = job.approach_slow;
   options.plunge_feed = job.plunge_feed.value_or(0);
   options.retract_feed = job.retract_feed;
   options.dwell = job.toolpath.strategy->Dwell();
-  TimeOptions times;
-  if (!job.programs.empty()) times = inputs.cell.controllers.at(job.programs.front()).post->Times();
-  return MakeTimeline(plan, options, times);
+  return options;
+}
+
+TimeOptions RunClock(const JobInputs& inputs) {
+  if (inputs.job.programs.empty()) return {};
+  return inputs.cell.controllers.at(inputs.job.programs.front()).post->Times();
+}
+
+Timeline PlanTimeline(const PlanResult& plan, const JobInputs& inputs) {
+  return MakeTimeline(plan, RunOptions(inputs.job), RunClock(inputs));
 }
 
 }  // namespace millpose

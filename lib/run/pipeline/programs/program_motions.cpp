@@ -10,7 +10,7 @@
 #include "program/pose_text.hpp"
 #include "program/stated_speeds.hpp"
 #include "run/pipeline/programs/base_window.hpp"
-#include "toolpath/strategy.hpp"
+#include "run/pipeline/programs/plan_timeline.hpp"
 
 namespace millpose {
 namespace {
@@ -24,7 +24,7 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
   const PostSettings settings = MakePostSettings(job, inputs.cell, controller_name);
   const Post& post = *inputs.cell.controllers.at(controller_name).post;
   const FrameTexts frames = post.Frames(settings);
-  MotionOptions options;
+  MotionOptions options = RunOptions(job);
   Pose X_FC = plan.X_FT;
   X_FC.linear() = X_FC.linear() * settings.R_TC();
   options.header = {{"version", std::string("millpose ") + MILLPOSE_VERSION},
@@ -56,11 +56,6 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
   if (lift == 0 && job.compensation.deviations)
     options.header.emplace_back("corrected_for_arm", fmt::format("{}, measured on {}", inputs.cell.arm.serial,
                                                                  inputs.cell.arm.deviations->date));
-  options.approach_feed = job.approach_feed;
-  options.approach_slow = job.approach_slow;
-  options.plunge_feed = job.plunge_feed.value_or(0);
-  options.retract_feed = job.retract_feed;
-  options.dwell = job.toolpath.strategy->Dwell();
   options.outputs = settings.outputs;
   return options;
 }
