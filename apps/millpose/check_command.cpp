@@ -82,12 +82,13 @@ void AddCheckCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
       "check", "Describe a mesh, a cell, or a job's part, tool path and reach; plans nothing");
   const auto options = std::make_shared<CheckOptions>();
-  command->add_option("FILE", options->file, "Job or cell (.yaml) or part (STL, OBJ, PLY, OFF, STEP)")
+  command
+      ->add_option("FILE", options->file, "Job or cell (.yaml) or part (STL, OBJ, PLY, OFF, STEP, IGES, 3MF)")
       ->required();
   options->unit = AddUnitOption(*command);
   command
       ->add_option("--chord-tolerance-mm", options->chord_tolerance,
-                   "Of a STEP part: distance between its faces and their triangles")
+                   "Of a STEP or IGES part: distance between its faces and their triangles")
       ->check(CLI::Range(1e-4, 100.0))
       ->capture_default_str();
   command

@@ -38,6 +38,10 @@ using UnitOption = std::shared_ptr<std::string>;
 UnitOption AddUnitOption(CLI::App& command);
 std::optional<double> MillimetresOf(const UnitOption& unit);
 
+/// The option --lang of the commands that write pages; read by ParseLanguage when the command runs.
+using LanguageOption = std::shared_ptr<std::string>;
+LanguageOption AddLanguageOption(CLI::App& command);
+
 void AddBatchCommand(CLI::App& app, Run& run);
 void AddCalibrateCommand(CLI::App& app, Run& run);
 void AddCellsCommand(CLI::App& app, Run& run);

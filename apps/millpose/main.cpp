@@ -18,6 +18,7 @@
 #include "base/error.hpp"
 #include "clean_output.hpp"
 #include "commands.hpp"
+#include "piped_objective.hpp"
 #include "terminal_progress.hpp"
 
 namespace millpose {
@@ -191,7 +192,12 @@ int Main(int argc, char** argv) {
   Output output;
   app.add_flag("-q,--quiet", output.quiet, "No progress on stderr");
   app.add_flag("--json-progress", output.json, "Progress and errors on stderr as JSON, one object per line");
+  std::string objective_pipe;
+  app.add_option("--objective-pipe", objective_pipe,
+                 "IN,OUT: descriptors of pipes to the program that gives the values of objective piped "
+                 "(docs/python.md)");
   app.fallthrough();
+  AddPipedObjective();
   Run run;
   for (const auto& add : kCommands) add(app, run);
   try {
@@ -220,7 +226,12 @@ int Main(int argc, char** argv) {
     return TellParsing(app, error) == 0 ? kDone : kBadInput;
   }
   try {
-    return RunGuarded(run, output);
+    return RunGuarded(
+        [&](Session& session) {
+          if (!objective_pipe.empty()) ConnectPipedObjective(objective_pipe);
+          return run(session);
+        },
+        output);
   } catch (const std::system_error&) {  // not even for the signals
     Report(kNoThread, kBadInput, output.json);
     return kBadInput;

@@ -15,6 +15,13 @@ RootOption AddRootOption(CLI::App& command) {
   return folder;
 }
 
+LanguageOption AddLanguageOption(CLI::App& command) {
+  auto language = std::make_shared<std::string>("en");
+  command.add_option("--lang", *language, "Language of pages and of the summary: en, de, zh")
+      ->type_name("LANGUAGE");
+  return language;
+}
+
 UnitOption AddUnitOption(CLI::App& command) {
   auto unit = std::make_shared<std::string>();
   command.add_option("--unit", *unit, "Unit of a part: mm, cm, in, m; by default the file's, else mm")

@@ -14,7 +14,7 @@ namespace {
 
 int Plan(const PlanArguments& arguments, Session& session) {
   const PlanOutcome outcome = RunJob(arguments, session.progress, session.stop);
-  fmt::print("{}", outcome.text);
+  fmt::print("{}", arguments.verbose ? outcome.text : SayBrief(arguments.language, outcome.text));
   if (arguments.verbose)
     fmt::print("{}",
                FirstRunText(LoadOperations(arguments.job, arguments.overrides, arguments.root).front()));
@@ -78,9 +78,11 @@ void AddPlanCommand(CLI::App& app, Run& run) {
   command->add_option("--max-points", arguments->max_points, "Points that the tool path may have")
       ->check(CLI::Range(1.0, 1e9))
       ->capture_default_str();
+  const LanguageOption language = AddLanguageOption(*command);
   const RootOption root = AddRootOption(*command);
-  command->callback([&run, arguments, changes, share, axis_map, root] {
-    run = [arguments, changes, share, axis_map, root](Session& session) {
+  command->callback([&run, arguments, changes, share, axis_map, language, root] {
+    run = [arguments, changes, share, axis_map, language, root](Session& session) {
+      arguments->language = ParseLanguage(*language);
       arguments->root = FileRoot::Of(*root);
       if (!share->empty()) arguments->share = ParseShare(*share);
       arguments->full_axis_map = *axis_map == "full";

@@ -58,9 +58,11 @@ void AddReportCommand(CLI::App& app, Run& run) {
   command->add_option("--html", words->html, "Write it to this file, a page without scripts");
   command->add_option("--pdf", words->pdf, "Write it to this file, A4; needs weasyprint");
   command->add_option("--job", words->job, "Its job file, if that is not next to the folder");
+  const LanguageOption language = AddLanguageOption(*command);
   const RootOption root = AddRootOption(*command);
-  command->callback([&run, words, root] {
-    run = [words, root](Session& session) {
+  command->callback([&run, words, language, root] {
+    run = [words, language, root](Session& session) {
+      words->arguments.language = ParseLanguage(*language);
       words->arguments.root = FileRoot::Of(*root);
       return Report(*words, session);
     };

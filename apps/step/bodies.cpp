@@ -63,7 +63,7 @@ class Walk {
     for (TopoDS_Iterator it(shape); it.More(); it.Next()) Into(it.Value(), name, body);
   }
 
-  StepBodies Found() { return std::move(found_); }
+  CadBodies Found() { return std::move(found_); }
 
  private:
   int Add(const std::string& name) {
@@ -75,12 +75,19 @@ class Walk {
 
   const NamesByShape& names_;
   std::map<std::string, int> uses_;
-  StepBodies found_;
+  CadBodies found_;
 };
 
 }  // namespace
 
-StepBodies BodiesOf(const STEPControl_Reader& reader, const TopoDS_Shape& shape) {
+CadBodies BodiesOf(const TopoDS_Shape& shape) {
+  const NamesByShape none;
+  Walk walk(none);
+  walk.Into(shape, "", -1);
+  return walk.Found();
+}
+
+CadBodies BodiesOf(const STEPControl_Reader& reader, const TopoDS_Shape& shape) {
   const NamesByShape names = ProductNames(reader);
   Walk walk(names);
   walk.Into(shape, "", -1);

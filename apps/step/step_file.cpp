@@ -1,88 +1,39 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step_file.hpp"
 
-#include <fmt/format.h>
-
-#include <BRepAdaptor_Surface.hxx>
-#include <BRepBndLib.hxx>
-#include <BRepGProp.hxx>
-#include <BRepMesh_IncrementalMesh.hxx>
-#include <BRepTools.hxx>
-#include <BRep_Tool.hxx>
-#include <Bnd_Box.hxx>
-#include <GProp_GProps.hxx>
 #include <Interface_Static.hxx>
 #include <NCollection_DataMap.hxx>
-#include <Poly_Triangulation.hxx>
 #include <STEPControl_Reader.hxx>
-#include <Standard_Failure.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <StepShape_Face.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
-#include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
-#include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
-#include <array>
 #include <istream>
 #include <stdexcept>
 
-#include "bodies.hpp"
-#include "recut.hpp"
-#include "refine.hpp"
 #include "step_progress.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kAngle = 10 * 0.017453292519943295;  // rad between neighbouring facets of a curved face
-
-// Percent of the way when OpenCASCADE's steps end; what is left goes to the faces one by one.
-constexpr int kParsed = 15, kTransferred = 50, kMeshed = 75;
-
-struct Unit {
-  std::string name;
-  double factor;   // mm
-  bool keys_know;  // jobs can name it
-};
-
-Unit UnitOf(const STEPControl_Reader& reader) {
+CadUnit UnitOf(const STEPControl_Reader& reader) {
   TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
   const_cast<STEPControl_Reader&>(reader).FileUnits(lengths, angles, solid_angles);
   std::string name = lengths.IsEmpty() ? "" : lengths.First().ToCString();
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const Unit& unit :
-       {Unit{"millimetre", 1, true}, Unit{"centimetre", 10, true}, Unit{"micrometre", 1e-3, false},
-        Unit{"kilometre", 1e6, false}, Unit{"decimetre", 100, false}, Unit{"metre", 1000, true},
-        Unit{"inch", 25.4, true}, Unit{"foot", 304.8, false}, Unit{"feet", 304.8, false}})
+  for (const CadUnit& unit :
+       {CadUnit{"millimetre", 1, true}, CadUnit{"centimetre", 10, true}, CadUnit{"micrometre", 1e-3, false},
+        CadUnit{"kilometre", 1e6, false}, CadUnit{"decimetre", 100, false}, CadUnit{"metre", 1000, true},
+        CadUnit{"inch", 25.4, true}, CadUnit{"foot", 304.8, false}, CadUnit{"feet", 304.8, false}})
     if (name.find(unit.name) != std::string::npos) return unit;
   return {name, 1, false};
-}
-
-std::string KindOf(const TopoDS_Face& face) {
-  switch (BRepAdaptor_Surface(face, Standard_False).GetType()) {
-    case GeomAbs_Plane:
-      return "plane";
-    case GeomAbs_Cylinder:
-      return "cylinder";
-    case GeomAbs_Cone:
-      return "cone";
-    case GeomAbs_Sphere:
-      return "sphere";
-    case GeomAbs_Torus:
-      return "torus";
-    case GeomAbs_BezierSurface:
-    case GeomAbs_BSplineSurface:
-      return "spline";
-    default:
-      return "other";
-  }
 }
 
 using FaceEntities = NCollection_DataMap<Handle(TopoDS_TShape), Handle(Standard_Transient)>;
@@ -104,12 +55,7 @@ FaceEntities EntitiesOf(const STEPControl_Reader& reader) {
 
 SourceFace Described(const STEPControl_Reader& reader, const FaceEntities& entities,
                      const TopoDS_Face& face) {
-  SourceFace source;
-  source.id = "#0";
-  source.kind = KindOf(face);
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(face, properties);
-  source.area = std::max(0.0, properties.Mass());
+  SourceFace source = DescribeFace(face);
   if (!entities.IsBound(face.TShape())) return source;
   const Handle(Standard_Transient)& entity = entities.Find(face.TShape());
   const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(reader.Model());
@@ -120,87 +66,9 @@ SourceFace Described(const STEPControl_Reader& reader, const FaceEntities& entit
   return source;
 }
 
-// Where a lost face lies.
-void SetPlace(const TopoDS_Face& face, SourceFace& source) {
-  Bnd_Box box;
-  try {
-    BRepBndLib::AddOptimal(face, box, Standard_False, Standard_False);
-  } catch (const Standard_Failure&) {
-    BRepBndLib::Add(face, box, Standard_False);
-  }
-  if (box.IsVoid()) return;
-  const auto corner = [](const gp_Pnt& p) -> Eigen::Vector3d {
-    constexpr double kFar = 1e9;  // mm, of faces without end
-    return Eigen::Vector3d(p.X(), p.Y(), p.Z()).cwiseMax(-kFar).cwiseMin(kFar);
-  };
-  source.lower = corner(box.CornerMin());
-  source.upper = corner(box.CornerMax());
-}
+}  // namespace
 
-// The face with triangles, cut in another way where BRepMesh's gave too few; sets whether it is lost.
-std::vector<TopoDS_Face> Cut(const TopoDS_Face& face, double chord_tolerance, SourceFace& source) {
-  const auto enough = [&] {
-    const double cut = TriangleArea(face);
-    return cut > 0 && cut >= source.area / 2;
-  };
-  if (enough()) return {face};
-  for (const RecutLength& way : kRecutWays)
-    if (std::vector<TopoDS_Face> faces = Recut(face, source.area, chord_tolerance, kAngle, way);
-        !faces.empty())
-      return faces;
-  SetPlace(face, source);
-  // Nothing is lost with a face that is narrower than the tolerance. Of an area of 0 nothing is known.
-  source.lost = source.area == 0 || source.area > chord_tolerance * (source.upper - source.lower).norm();
-  BRepTools::Clean(face);
-  const BRepMesh_IncrementalMesh mesher(face, chord_tolerance, Standard_False, kAngle, Standard_False);
-  return {face};
-}
-
-// Appends the face's triangles, in mm, seen from outside. Returns how far the face lies from them at most.
-double Append(const TopoDS_Face& face, int source, double tolerance, Triangles& triangles) {
-  TopLoc_Location location;
-  const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face, location);
-  if (mesh.IsNull() || mesh->NbTriangles() == 0) return 0;
-  FaceTriangles cut;
-  for (int i = 1; i <= mesh->NbNodes(); ++i) {
-    const gp_Pnt p = mesh->Node(i).Transformed(location.Transformation());
-    cut.points.emplace_back(p.X(), p.Y(), p.Z());
-    if (mesh->HasUVNodes()) cut.parameters.emplace_back(mesh->UVNode(i).X(), mesh->UVNode(i).Y());
-  }
-  const bool inverted = face.Orientation() == TopAbs_REVERSED;
-  for (int i = 1; i <= mesh->NbTriangles(); ++i) {
-    std::array<int, 3> corners{};
-    mesh->Triangle(i).Get(corners[0], corners[1], corners[2]);
-    if (inverted) std::swap(corners[1], corners[2]);
-    cut.faces.push_back({corners[0] - 1, corners[1] - 1, corners[2] - 1});
-  }
-  double deviation = 0;
-  if (mesh->HasUVNodes()) {
-    const BRepAdaptor_Surface surface(face, Standard_False);
-    deviation = Refine(cut, tolerance, [&](const Eigen::Vector2d& at) -> Eigen::Vector3d {
-      const gp_Pnt p = surface.Value(at.x(), at.y());
-      return {p.X(), p.Y(), p.Z()};
-    });
-  }
-  const auto first = static_cast<int>(triangles.vertices.size());
-  triangles.vertices.insert(triangles.vertices.end(), cut.points.begin(), cut.points.end());
-  for (const auto& [a, b, c] : cut.faces) {
-    triangles.faces.push_back({first + a, first + b, first + c});
-    triangles.source.push_back(source);
-  }
-  return deviation;
-}
-
-struct Model {
-  TopoDS_Shape shape;
-  Unit unit;
-  /// Each face where it stands: a part used twice in an assembly has its faces twice.
-  std::vector<SourceFace> faces;
-  StepBodies bodies;
-};
-
-// What the file says, without the memory that reading it took: many times its size.
-Model ReadModel(std::istream& file) {
+CadModel ReadStepModel(std::istream& file) {
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
   STEPControl_Reader reader;
   TellPercent(0);
@@ -210,7 +78,7 @@ Model ReadModel(std::istream& file) {
   const Handle(StepProgress) progress = new StepProgress(kParsed, kTransferred);
   if (reader.TransferRoots(progress->Start()) == 0)
     throw std::runtime_error("the STEP file holds no shape that can be read");
-  Model model{reader.OneShape(), UnitOf(reader), {}, {}};
+  CadModel model{"STEP", reader.OneShape(), UnitOf(reader), {}, {}, {}};
   const FaceEntities entities = EntitiesOf(reader);
   for (TopExp_Explorer it(model.shape, TopAbs_FACE); it.More(); it.Next())
     model.faces.push_back(Described(reader, entities, TopoDS::Face(it.Current())));
@@ -219,49 +87,6 @@ Model ReadModel(std::istream& file) {
   reader.WS()->ClearData(7);
   reader.WS()->ClearData(1);
   return model;
-}
-
-void Mesh(const TopoDS_Shape& shape, double chord_tolerance) {
-  IMeshTools_Parameters parameters;
-  parameters.Deflection = chord_tolerance;
-  parameters.Angle = kAngle;
-  const Handle(StepProgress) progress = new StepProgress(kTransferred, kMeshed);
-  const BRepMesh_IncrementalMesh mesher(shape, parameters, progress->Start());
-}
-
-}  // namespace
-
-RawMesh TessellateStep(std::istream& file, double chord_tolerance) {
-  Model model = ReadModel(file);
-  Mesh(model.shape, chord_tolerance);
-  RawMesh mesh;
-  mesh.triangles.source_faces = std::move(model.faces);
-  mesh.bodies = std::move(model.bodies.names);
-  mesh.body_of_source = std::move(model.bodies.of_face);
-  std::vector<SourceFace>& sources = mesh.triangles.source_faces;
-  double deviation = 0;
-  int number = 0;
-  for (TopExp_Explorer it(model.shape, TopAbs_FACE); it.More(); it.Next(), ++number) {
-    for (const TopoDS_Face& part : Cut(TopoDS::Face(it.Current()), chord_tolerance, sources[number]))
-      deviation = std::max(deviation, Append(part, number, chord_tolerance, mesh.triangles));
-    TellPercent(kMeshed + static_cast<int>((100.0 - kMeshed) * (number + 1) / sources.size()));
-  }
-  if (mesh.triangles.faces.empty())
-    throw std::runtime_error("the STEP file holds no face that can be cut into triangles");
-  if (deviation > chord_tolerance)
-    mesh.notes.push_back(
-        fmt::format("triangles of the STEP part deviate by up to {:.3g} mm, wanted {:.3g} mm", deviation,
-                    chord_tolerance));
-  if (!TopExp_Explorer(model.shape, TopAbs_SOLID).More())
-    mesh.notes.emplace_back("the STEP file holds faces, but no solid");
-  if (model.unit.keys_know) {
-    mesh.stated_unit = model.unit.factor;
-    for (Eigen::Vector3d& p : mesh.triangles.vertices) p /= model.unit.factor;
-  } else {
-    mesh.stated_unit = 1;
-    mesh.notes.push_back(fmt::format("the STEP file's unit \"{}\" was converted to mm", model.unit.name));
-  }
-  return mesh;
 }
 
 }  // namespace millpose

@@ -3,13 +3,12 @@
 
 #include <iosfwd>
 
-#include "geometry/import/raw_mesh.hpp"
+#include "cad_model.hpp"
 
 namespace millpose {
 
-/// Reads a STEP file by OpenCASCADE and cuts its faces into triangles that deviate by at most
-/// `chord_tolerance` (mm) and by 10 degrees. Throws std::runtime_error with one sentence, and whatever
-/// OpenCASCADE throws.
-RawMesh TessellateStep(std::istream& file, double chord_tolerance);
+/// Reads a STEP file by OpenCASCADE; the memory that reading took, many times the file's size, is given back.
+/// Throws std::runtime_error with one sentence, and whatever OpenCASCADE throws.
+CadModel ReadStepModel(std::istream& file);
 
 }  // namespace millpose

@@ -117,7 +117,7 @@ std::vector<Problem> CheckLinkMeshes(const CellSettings& cell,
   for (const BodySettings& body : cell.bodies) {
     if (body.body_class != BodyClass::kLink || body.shape.kind != ShapeKind::kMesh) continue;
     const auto bytes = body_bytes.find(body.shape.mesh_file);
-    if (bytes == body_bytes.end() || LooksLikeStep(bytes->second)) continue;
+    if (bytes == body_bytes.end() || LooksLikeCad(bytes->second)) continue;
     const double size =
         body.shape.unit * SizeOf(ReadMesh(bytes->second, body.shape.mesh_file).triangles.vertices).maxCoeff();
     if (size <= 10 * reach && size >= reach / 1000) continue;

@@ -132,7 +132,7 @@ std::vector<std::string> AssumedCalls(const CellSettings& cell, const std::strin
 
 std::vector<CallTransition> PlanCallTransitions(const World& at_zero, const JobInputs& inputs,
                                                 const std::string& controller, const std::stop_token& stop) {
-  const PostSettings post = SettingsOf(inputs.cell, controller);
+  const PostSettings post = MakeTextSettings(inputs.job, inputs.cell, controller);
   const LinkMoveOptions options = MakeLinkMoveOptions(inputs.job);
   const ExternalPosition external = Mechanism(at_zero.cell().external_axes).Home();
   const World world = external.empty() ? at_zero : at_zero.At(external);

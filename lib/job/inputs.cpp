@@ -14,6 +14,7 @@
 #include "job/lean_freedoms.hpp"
 #include "job/locate.hpp"
 #include "job/origin.hpp"
+#include "job/resolve_tools.hpp"
 #include "job/resolve_urdf.hpp"
 #include "toolpath/strategy.hpp"
 
@@ -137,6 +138,7 @@ CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::stri
   if (base) cell.base_in_world = *base;
   cell.stated_base = cell.base_in_world;
   const bool from_urdf = !cell.arm.urdf.file.empty();
+  ResolveTools(cell_file.parent_path(), root, &cell);
   ResolveUrdf(cell_file.parent_path(), root, &cell);
   std::vector<Problem> problems = CheckControllers(cell);
   if (problems.empty()) problems = SettleControllerZeros(from_urdf, &cell);

@@ -171,6 +171,12 @@ PostSettings MakeTextSettings(const JobSettings& job, const CellSettings& cell,
   post.several_tools = cell.tools.size() > 1;
   post.change_at = cell.change_at;
   if (post.ChangesTool()) post.tool_check = options.post->ToolCheck(post);
+  // Only where the controller can tell which tool it holds: else somebody must look anyhow.
+  if (job.tool_held && !post.tool_check.empty()) {
+    post.tool_held = true;
+    post.change_at.reset();
+    post.texts["tool_change"] = options.post->HeldTool();
+  }
   post.load = cell.tool.load;
   post.tolerance = WrittenTolerance({job.program_options.path_tolerance, job.program_options.path_angle});
   post.blend = options.post->Blend(post.tolerance, job.toolpath.chord_tolerance);
@@ -191,7 +197,7 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
     throw InputError(SourceLocation{cell.file, post.controller_axes_line}, refusal);
   if (!IsToolName(post.tool_name))
     throw InputError(
-        SourceLocation{cell.file, cell.tool.name_line},
+        cell.tool.name_place,
         fmt::format("tool.name: given '{}'; allowed where programs are written: 1 to 32 plain ASCII "
                     "characters, none of \" ( ) {{ }} ;, blanks only one at a time between others",
                     post.tool_name));

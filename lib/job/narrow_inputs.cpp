@@ -22,6 +22,7 @@ JobInputs InputsOfToolpath(const JobInputs& inputs) {
   job.retract_feed = inputs.job.retract_feed;
   job.spindle_speed = inputs.job.spindle_speed;
   job.cutting = inputs.job.cutting;
+  if (job.cutting) job.cutting->kc11_source.clear();
   job.stock = inputs.job.stock;
   job.force_factors = inputs.job.force_factors;
   narrow.cell.file = inputs.cell.file;

@@ -26,7 +26,7 @@ std::vector<Source> SourcesOf(JobInputs* inputs) {
   std::vector<Source> sources{{inputs->job.workpiece.mesh_file, &inputs->workpiece_bytes, options, true},
                               {inputs->job.workpiece.stock_file, &inputs->stock_bytes, options, false}};
   for (auto& [name, bytes] : inputs->body_bytes) sources.push_back({name, &bytes, {}, false});
-  std::erase_if(sources, [](const Source& source) { return !LooksLikeStep(*source.bytes); });
+  std::erase_if(sources, [](const Source& source) { return !LooksLikeCad(*source.bytes); });
   return sources;
 }
 

@@ -45,8 +45,9 @@ std::string SurfaceStage(const JobInputs& inputs) {
 }
 
 std::string SurfaceStage(std::string_view mesh, int seconds, int memory_MB) {
-  if (!LooksLikeStep(mesh)) return "surface";
-  return fmt::format("surface (STEP: at most {} s, {} MB)", seconds, memory_MB);
+  const std::optional<CadFormat> format = CadFormatOf(mesh);
+  if (!format) return "surface";
+  return fmt::format("surface ({}: at most {} s, {} MB)", NameOf(*format), seconds, memory_MB);
 }
 
 namespace {

@@ -158,6 +158,9 @@ Pose FrameAt(const MotionProgram& program, size_t i, double share);
 /// The notice of a program whose poses take the expected deflection out: run twice it would cut twice.
 inline constexpr char kCompensatedNotice[] = "COMPENSATED: NOT TO BE RUN TWICE ON ONE PART";
 
+/// The key of a header's line that says that the tool is in the spindle already.
+inline constexpr char kToolHeldKey[] = "tool_held";
+
 /// A call that moves the arm, made from home and back to home.
 struct CallTransition {
   DeclaredCall call;

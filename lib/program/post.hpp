@@ -32,6 +32,7 @@ struct PostSettings : PostOptions {
   std::optional<int> tool_number;  ///< by which the controller knows it
   std::string tool_check;      ///< lines that wait until the tool is in the spindle, see Post::ToolCheck()
   bool several_tools = false;  ///< the spindle can hold others as well
+  bool tool_held = false;      ///< it is in the spindle already: only `tool_check` stands in programs
   std::optional<Joints> change_at;  ///< where the arm stands for it, rad; else it is at home
   std::optional<ToolLoad> load;     ///< where the cell gives it
   PathTolerance tolerance =
@@ -40,12 +41,12 @@ struct PostSettings : PostOptions {
   double orientation_blend = 0.00017453293;  ///< rad (0.01°), tolerance of the orientation
 
   /// Whether programs change the tool themselves, if only by asking somebody for it.
-  bool ChangesTool() const { return several_tools || change_at; }
+  bool ChangesTool() const { return several_tools || change_at || tool_held; }
 };
 
 /// What fills the holes of its texts.
 inline Templates::Tool ToolOf(const PostSettings& settings) {
-  return {settings.tool_name, settings.tool_number, settings.tool_check};
+  return {settings.tool_name, settings.tool_number, settings.tool_check, settings.tool_held};
 }
 
 /// What a program's head says of the frames that its numbers count in.
@@ -130,6 +131,9 @@ class Post {
   /// Lines behind the change of tool that let nothing go on before the controller says that the right one is
   /// in the spindle; empty where it cannot tell.
   virtual std::string ToolCheck(const PostSettings&) const { return {}; }
+  /// What stands before those lines in place of the text tool_change where the tool is in the spindle
+  /// already.
+  virtual std::string HeldTool() const { return {}; }
 
   /// How a main program calls others.
   virtual CallingSyntax Calling() const = 0;

@@ -137,7 +137,7 @@ Templates::Templates(std::map<std::string, std::string> defaults,
   texts_["spindle_on"] = Together(texts_["spindle_on"], texts_["coolant_on"]);
   texts_["spindle_off"] = Together(texts_["coolant_off"], texts_["spindle_off"]);
   for (const std::string& name : Names()) texts_[name];  // every name has lines, if none
-  if (texts_["tool_change"].empty()) return;
+  if (texts_["tool_change"].empty() && !tool.held) return;
   std::vector<std::string> check = LinesOf(tool.check);
   for (std::string& line : check) FillTool(line, tool);
   check_lines_ = check.size();

@@ -26,6 +26,7 @@ class Templates {
     std::string name;
     std::optional<int> number;
     std::string check = {};  ///< lines behind tool_change that wait until it is in the spindle
+    bool held = false;       ///< tool_change is the check alone, if not another text of its own
   };
   /// What counts for nothing where texts are compared.
   struct Spelling {

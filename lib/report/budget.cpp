@@ -45,6 +45,7 @@ void AddForce(const DeflectionReport* deflection, std::vector<BudgetRow>& rows) 
       }
     expected.largest = largest;
     expected.basis = "largest displacement under the mean cutting force as computed";
+    if (!deflection->source.empty()) expected.basis += "; force coefficients: " + deflection->source;
     uncertain.largest = std::max(0.0, within - largest);
     uncertain.basis =
         fmt::format("how much more a force gives that is up to {:.3g} % longer and {:.3g} deg off",

@@ -35,6 +35,7 @@ struct DeflectionReport {
   std::vector<DeflectedPoint> points;  ///< planned cut points in the plan's order
   std::optional<FaceDeflection> face;  ///< of the finished face; empty for fewer than 3 points
   ForceDoubt bounds;                   ///< as handed
+  std::string source = {};             ///< of the job's own force coefficients, where it says one
 };
 
 /// What every report says about the figures.

@@ -8,12 +8,15 @@
 
 namespace millpose {
 std::string ReportHtml(const HtmlInput& input, const HtmlLimits& limits) {
-  const std::string title = Escaped(input.plan.job), data = ReportJson(input, limits);
-  return FilledPage(kWebPage, {{"title", title},
+  const std::string title = Escaped(input.plan.job), data = ReportJson(input, limits),
+                    language = WordOf(kLanguageWords, input.language);
+  return FilledPage(kWebPage, {{"language", language},
+                               {"title", title},
                                {"style", kWebStyle},
                                {"license", kWebLicense},
                                {"three", kWebThree},
                                {"scripts", kWebScripts},
+                               {"words", kWordsOfPage},
                                {"data", data}});
 }
 

@@ -15,6 +15,7 @@
 #include "report/deflection.hpp"
 #include "report/face_report.hpp"
 #include "report/lost_motion.hpp"
+#include "report/words/words.hpp"
 
 namespace millpose {
 
@@ -96,6 +97,7 @@ struct HtmlInput {
   const LostMotionReport* lost_motion = nullptr;  ///< of the plan
   const Budget* budget = nullptr;                 ///< of the face's error
   const FaceReport* face = nullptr;               ///< where it was asked for
+  Language language = Language::kEnglish;         ///< in which it opens; its menu has all
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

@@ -146,8 +146,9 @@ std::string PictureOf(const SetupPicture& picture) {
       "<svg viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" role=\"img\" "
       "font-family=\"system-ui, sans-serif\" font-size=\"12\" fill=\"currentColor\" "
       "stroke-linejoin=\"round\">"
-      "<title>The part in its fixture and what is milled</title><g stroke-width=\".4\">",
-      kPictureWidth, kPictureHeight);
+      "<title>{2}</title><g stroke-width=\".4\">",
+      kPictureWidth, kPictureHeight,
+      Escaped(Say(picture.language, "The part in its fixture and what is milled")));
   std::vector<Facet> facets;
   for (const PictureSolid& solid : picture.solids) AddFacets(view, solid, facets);
   std::ranges::stable_sort(facets, {}, &Facet::depth);
@@ -159,7 +160,7 @@ std::string PictureOf(const SetupPicture& picture) {
                                 std::pair("z", "#1f5fa8")};
   for (size_t axis = 0; axis < 3; ++axis)
     svg += Arrow(view, Vector3d::Zero(), axes[axis], kAxes[axis].second, kAxes[axis].first);
-  return svg + Arrow(view, from, to, "currentColor", "arm") + "</svg>";
+  return svg + Arrow(view, from, to, "currentColor", Say(picture.language, "arm")) + "</svg>";
 }
 
 }  // namespace millpose

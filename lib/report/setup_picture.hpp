@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/mesh/triangles.hpp"
+#include "report/words/words.hpp"
 
 namespace millpose {
 
@@ -28,6 +29,7 @@ struct SetupPicture {
   Eigen::Vector3d towards = Eigen::Vector3d::UnitZ();  ///< in P: from the part towards who looks
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();       ///< in P: upwards in the workshop
   Eigen::Vector3d arm = Eigen::Vector3d::Zero();       ///< in P, mm: the robot's base
+  Language language = Language::kEnglish;              ///< of its words
 };
 
 /// An SVG in parallel projection, mm of the part to one scale: solids shaded and sorted from far to near,

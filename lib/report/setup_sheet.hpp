@@ -5,11 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "report/words/words.hpp"
+
 namespace millpose {
 
 struct SheetTable {
   std::vector<std::string> columns;            ///< heads, units in them
   std::vector<std::vector<std::string>> rows;  ///< as many cells as columns
+  size_t names = 0;  ///< first columns of rows that hold names, which no language changes
 };
 
 /// A part of the sheet; what it has none of is left out.
@@ -29,7 +32,8 @@ struct SetupSheet {
   std::vector<std::pair<std::string, std::string>> appendix;  ///< files by name, printed as they are
 };
 
-/// A page without scripts that prints on A4 with page numbers: a pure function of its argument.
-std::string SetupSheetHtml(const SetupSheet& sheet);
+/// A page without scripts that prints on A4 with page numbers: a pure function of its arguments. The sheet is
+/// in English and said in `language`; its pictures and its appendix stay as they are.
+std::string SetupSheetHtml(const SetupSheet& sheet, Language language = Language::kEnglish);
 
 }  // namespace millpose

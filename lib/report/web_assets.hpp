@@ -16,4 +16,7 @@ extern const std::string_view kWebScripts;  ///< web/*.js in the order of CMakeL
 extern const std::string_view kWebCheckPage;     ///< web/check.html
 extern const std::string_view kWebCheckScripts;  ///< those of check.html
 
+extern const std::string_view kWordsOfPage;   ///< the tables of words that report.html carries
+extern const std::string_view kWordsOfSheet;  ///< those of the setup sheet and the terminal's summary
+
 }  // namespace millpose

@@ -7,6 +7,7 @@
 #include "base/file.hpp"
 #include "base/hash.hpp"
 #include "base/writer_name.hpp"
+#include "store/packed_bytes.hpp"
 #include "store/result_swap.hpp"
 
 namespace millpose {
@@ -14,6 +15,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kMarkText = "This folder is written by millpose; a new plan overwrites it.\n";
+
+constexpr const char* kStageEnding = ".stage";
 
 bool IsMarked(const Folder& folder) { return folder.KindOf(kMark) == Folder::Kind::kFile; }
 
@@ -157,16 +160,17 @@ std::optional<std::string> OutputFolder::ReadCached(const std::string& file, con
   const std::string stated = bytes.substr(0, digits);
   bytes.erase(0, digits);
   if (HashUnder(key, bytes) != stated) return std::nullopt;
-  return bytes;
+  return Unpacked(bytes);
 }
 
 void OutputFolder::WriteCached(const std::string& file, const std::string& key,
                                std::string_view bytes) const {
   const Folder folder = folder_->MakeBelow(checkpoints_);
   if (folder.KindOf(file) == Folder::Kind::kFolder) folder.RemoveAll(file);  // no checkpoint of ours
+  const std::string packed = Packed(bytes);
   folder.Write(file, [&](const ByteSink& sink) {
-    sink(HashUnder(key, bytes));
-    sink(bytes);
+    sink(HashUnder(key, packed));
+    sink(packed);
   });
 }
 
@@ -179,17 +183,29 @@ void OutputFolder::WriteCheckpoint(const std::string& key, std::string_view byte
 }
 
 std::optional<std::string> OutputFolder::ReadStage(const std::string& stage, const std::string& key) const {
-  return ReadCached(stage + ".stage", key);
+  return ReadCached(stage + kStageEnding, key);
 }
 
 void OutputFolder::WriteStage(const std::string& stage, const std::string& key,
                               std::string_view bytes) const {
-  WriteCached(stage + ".stage", key, bytes);
+  WriteCached(stage + kStageEnding, key, bytes);
 }
 
 void OutputFolder::RemoveCheckpoints() const {
   if (const std::optional<Folder> parent = folder_->FindBelow(checkpoints_.parent_path()))
     parent->RemoveAll(checkpoints_.filename().string());
+}
+
+void OutputFolder::RemoveStages() const {
+  const std::optional<Folder> checkpoints = folder_->FindBelow(checkpoints_);
+  if (!checkpoints) return;
+  for (const std::string& name : checkpoints->Names()) {
+    const bool operation = checkpoints->KindOf(name) == Folder::Kind::kFolder;
+    if (operation)
+      Operation(name).RemoveStages();
+    else if (name.ends_with(kStageEnding))
+      checkpoints->RemoveAll(name);
+  }
 }
 
 void OutputFolder::KeepOperations(const std::vector<std::string>& names) const {

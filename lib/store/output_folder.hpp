@@ -79,6 +79,8 @@ class OutputFolder {
   std::optional<std::string> ReadStage(const std::string& stage, const std::string& key) const;
   void WriteStage(const std::string& stage, const std::string& key, std::string_view bytes) const;
   void RemoveCheckpoints() const;
+  /// Removes the last results of stages alone, those of operations too: passes stay.
+  void RemoveStages() const;
   /// Removes checkpoints of operations but for these ("01_face", …), as far as it can.
   void KeepOperations(const std::vector<std::string>& names) const;
 

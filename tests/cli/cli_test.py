@@ -174,7 +174,7 @@ class Documents(unittest.TestCase):
         self.assertIn("--quiet", complete("--qu"))
         self.assertIn("--help", complete("schema", "--"))
         self.assertEqual(complete("flatness", "READ"), ["README.md"])
-        self.assertEqual(complete("schema", "''"), ["job", "cell", "batch", "reference"])
+        self.assertEqual(complete("schema", "''"), ["job", "cell", "tools", "batch", "reference"])
         self.assertEqual(complete("stiffness", "--map", "lambda_t"), ["lambda_t1", "lambda_t2"])
         self.assertEqual(complete("plan", "--axis-map", "f"), ["full"])
         self.assertEqual(complete("help", "sch"), ["schema"])

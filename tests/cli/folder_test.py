@@ -244,9 +244,25 @@ class Clean(InFolder):
         self.assertFalse((out / "checkpoints").exists() and any((out / "checkpoints").iterdir()))
         self.assertEqual(run("verify", out).returncode, 0)
         self.assertIn("unchanged", run("plan", JOB, "-o", out, *SETS).stdout)
+        self.check_passes_stay(out)
         refused = run("clean", out, self.folder)
         self.assertEqual(refused.returncode, 2)
         self.assertIn("is no output folder of millpose", refused.stderr)
+
+    def check_passes_stay(self, out):
+        again = ("--set", "process.spindle_rpm=6000")
+        planned = run("plan", JOB, "-o", out, *SETS, *again)
+        self.assertEqual(planned.returncode, 0, planned.stderr)
+        kept = sorted(file for file in (out / "checkpoints").rglob("*") if file.suffix == ".cbor")
+        self.assertTrue(kept and list((out / "checkpoints").rglob("*.stage")))
+        told = run("clean", out, "--keep", "passes")
+        self.assertEqual(told.returncode, 0, told.stderr)
+        self.assertEqual((sorted((out / "checkpoints").rglob("*.cbor")), list((out / "checkpoints").rglob("*.stage"))), (kept, []))
+        for file in kept:  # the hash of what follows, then a frame of zstd
+            self.assertEqual(file.read_bytes()[32:36], b"\x28\xb5\x2f\xfd", file)
+        wrong = run("clean", out, "--keep", "pass")
+        self.assertEqual(wrong.returncode, 2)
+        self.assertIn("passes", wrong.stderr)
 
 
 if __name__ == "__main__":

@@ -113,18 +113,64 @@ class Operations(InFolder):
         self.assertEqual(self.plan(small()).returncode, 0)
         (self.folder / "machine.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH={self.out / 'programs' / 'linuxcnc'}\n[EMC]\n")
 
-        def interpreted(program):
+        def interpreted(program, before=""):
+            (self.folder / "alone.ngc").write_text(before + program.read_text())
+            program = self.folder / "alone.ngc"
             result = subprocess.run(["rs274", "-g", "-i", self.folder / "machine.ini", program], cwd=self.folder, capture_output=True,
                                     text=True, timeout=120, env={"HOME": str(self.folder)})
             self.assertEqual(result.returncode, 0, result.stdout[-500:] + result.stderr)
             return re.findall(r"N\.+ ((?:STRAIGHT|CHANGE_TOOL|START_SPINDLE|PROGRAM_).*)", result.stdout)
 
         whole = interpreted(self.out / "programs" / "linuxcnc" / "cabin_window.ngc")
-        parts = [line for folder in FOLDERS
-                 for line in interpreted(next((self.out / "operations" / folder / "programs" / "linuxcnc").glob(f"{folder[3:]}_*.ngc")))]
+        parts = []
+        for folder in FOLDERS:
+            program = next((self.out / "operations" / folder / "programs" / "linuxcnc").glob(f"{folder[3:]}_*.ngc"))
+            held = "tool_held" in program.read_text()  # by whatever ran before it
+            parts += interpreted(program, "T1 M6\n" if held else "")[1 if held else 0:]
         self.assertEqual(whole[-1], "PROGRAM_END()")
         self.assertEqual(whole[:-1], [line for line in parts if line != "PROGRAM_END()"])
-        self.assertEqual([line for line in whole if line.startswith("CHANGE")], ["CHANGE_TOOL(1)", "CHANGE_TOOL(1)", "CHANGE_TOOL(2)"])
+        self.assertEqual([line for line in whole if line.startswith("CHANGE")], ["CHANGE_TOOL(1)", "CHANGE_TOOL(2)"])
+
+    def test_a_tool_that_is_held_is_compared_and_not_changed(self):
+        """The second operation has the first one's tool, the third another."""
+        (self.folder / "cell.yaml").write_text(CELL.replace("  krl:\n", "  krl:\n    tool_in_spindle: SPINDLE_TOOL\n"))
+        planned = self.plan(small())
+        self.assertEqual(planned.returncode, 0, planned.stdout + planned.stderr)
+        changes = {"krl": r"\nHALT\nWAIT SEC 0\nWHILE SPINDLE_TOOL<>", "sinumerik": r"\nM6\nMP_TOOL:", "linuxcnc": r"\nT\d M6\nO9001 WHILE"}
+        checks = {"krl": r"WHILE SPINDLE_TOOL<>1\n", "sinumerik": r'\nD1\nMP_TOOL:\nSTOPRE\nIF \$TC_TP2.*=="mill_d20" GOTOF', "linuxcnc": r"O9001 WHILE \[#5400 NE 1\]"}
+        for controller in CONTROLLERS:
+            texts = {}
+            for folder in FOLDERS:
+                (main,) = [file for file in self.main_texts(folder, controller) if re.search(rf"tool_held:|{changes[controller]}", file.read_text())]
+                texts[folder] = main.read_text()
+            changed = [bool(re.search(changes[controller], text)) for text in texts.values()]
+            self.assertEqual(changed, [True, False, True], controller)
+            held = texts[FOLDERS[1]]
+            self.assertRegex(held, r"tool_held: the operation before leaves it")
+            self.assertRegex(held, checks[controller])
+            self.assertIsNone(re.search(r"PTP \{A1 60,|RA1=60\.0+ |G0 X60\.0", held), "the arm does not go to the change")
+        self.assertEqual(run("verify", self.out).returncode, 0)
+        self.check_held_alone()
+
+    def main_texts(self, folder, controller):
+        programs = self.out / "operations" / folder / "programs" / controller
+        return [file for file in sorted(programs.iterdir()) if file.suffix in (".src", ".mpf", ".spf", ".ngc")]
+
+    def check_held_alone(self):
+        """A program alone says itself that its tool is held; one that says so and changes the tool is refused."""
+        for controller in CONTROLLERS:
+            told = {}
+            for folder in FOLDERS[:2]:
+                (file,) = [file for file in self.main_texts(folder, controller) if re.search(r"(?m)^[;(] ?tool: ", file.read_text())]
+                verified = run("verify", file, "--cell", self.folder / "cell.yaml", "--tool", "mill_d20")
+                told[folder] = [line for line in (verified.stdout + verified.stderr).splitlines() if re.search(r"SPINDLE_TOOL|MP_TOOL|5400|tool_change", line)]
+                self.assertIn(verified.returncode, (0, 1), verified.stderr)
+                text = file.read_text()
+                file.write_text(text.replace("tool_held:", "tool_hold:") if "tool_held" in text else re.sub(r"(?m)^([;(] ?)tool: ", r"\1tool_held: x\n\1tool: ", text, count=1))
+                swapped = run("verify", file, "--cell", self.folder / "cell.yaml", "--tool", "mill_d20")
+                file.write_text(text)
+                self.assertNotEqual((verified.returncode, verified.stdout, verified.stderr), (swapped.returncode, swapped.stdout, swapped.stderr), (controller, folder))
+            self.assertEqual(told, {folder: [] for folder in FOLDERS[:2]}, controller)
 
     def test_the_spindle_stands_where_the_tool_is_changed(self):
         self.assertEqual(self.plan(small()).returncode, 0)
@@ -135,7 +181,9 @@ class Operations(InFolder):
             if controller != "krl":  # whose change of the tool is told to a person
                 text = re.sub(r"\([^)\n]*\)|;.*", "", text)
             order = re.findall(f"({on})|({off})|({change})", text)
-            self.assertEqual([next(i for i, word in enumerate(words) if word) for words in order], [2, 0, 1] * 3, controller)
+            held = [2, 0, 1] if controller == "krl" else [0, 1]  # trim_window, by its name the last, has its tool already
+            expected = [2, 0, 1] * 2 + held
+            self.assertEqual([next(i for i, word in enumerate(words) if word) for words in order], expected, controller)
 
     def test_same_bytes_for_any_number_of_threads_and_nothing_is_planned_twice(self):
         self.assertEqual(self.plan(small(), "--threads", "1").returncode, 0)

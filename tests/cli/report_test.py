@@ -10,7 +10,7 @@ import unittest
 import xml.etree.ElementTree as Xml
 from pathlib import Path
 
-from cli_fixture import JOB, TOP, InFolder, plan, run
+from cli_fixture import FEW, JOB, TOP, InFolder, plan, run
 import operations_sample
 
 
@@ -50,6 +50,11 @@ class Page(html.parser.HTMLParser):
 
 def page_of(text):
     return Page(re.sub(r"<(\w+)([^<>]*)/>", r"<\1\2></\1>", text))
+
+
+def brief(out, language):
+    """A plan of few points that ends with the summary of twelve lines."""
+    return run("plan", JOB, "-o", out, *(word for change in FEW for word in ("--set", change)), "--lang", language)
 
 
 class SetupSheet(InFolder):
@@ -150,6 +155,64 @@ class SetupSheet(InFolder):
         result = run("report", out, "--job", JOB, "--pdf", pdf, env={**os.environ, "PATH": str(nowhere)})
         self.assertEqual((result.returncode, pdf.exists()), (2, False))
         self.assertIn("weasyprint ended with 3: no fonts", result.stderr)
+
+    def test_languages_say_the_same_with_the_same_figures(self):
+        out = self.folder / "out"
+        self.assertEqual(plan(out).returncode, 0)
+        english = page_of(self.sheet(out, "--job", JOB))
+        files = [title for title in english.sections if title.endswith(".yaml")]
+        for language, titles, milled, step in (
+                ("de", ["Zusammenfassung", "Aufspannung", "Bezug", "Werkzeuge"], r"\d+ von \d+ Punkten in \d+ Bahnen", "Trockenlauf"),
+                ("zh", ["概要", "装夹", "基准", "刀具"], r"\d+ 点中的 \d+ 点，\d+ 次走刀", "空运行")):
+            text = self.sheet(out, "--job", JOB, "--lang", language)
+            self.assertIn(f'<html lang="{language}">', text)
+            page = page_of(text)
+            for title in titles:
+                self.assertIn(title, page.sections)
+            self.assertRegex(text, milled)
+            self.assertIn(step, text)
+            # The platform of the cell is a name, its kind a word.
+            self.assertIn("platform", [row[0] for row in page.cells])
+            self.assertNotIn("platform", [row[1] for row in page.cells if len(row) > 1])
+            self.assertEqual([page.sections[file] for file in files], [english.sections[file] for file in files])
+            self.assertEqual([[sorted(re.findall(r"[\d.]*\d", cell)) for cell in row] for row in page.cells],
+                             [[sorted(re.findall(r"[\d.]*\d", cell)) for cell in row] for row in english.cells])
+            # No sentence is left in English: its little words would tell.
+            said = " ".join(section for title, section in page.sections.items() if title not in files)
+            self.assertEqual(re.findall(r"\b(?:the|which|with|are|what|and|is not)\b", said), [], language)
+
+    def test_plan_says_its_summary_in_the_language(self):
+        said = {}
+        for language in ("en", "de", "zh"):
+            out = self.folder / language
+            result = brief(out, language)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            said[language] = result.stdout.replace(str(out), "OUT")
+            page = (out / "report.html").read_text()
+            self.assertIn(f'<html lang="{language}">', page)
+            # Only the page differs, and in nothing but the language that it opens in.
+            self.assertEqual(page.replace(f'<html lang="{language}">', '<html lang="en">'), (self.folder / "en" / "report.html").read_text())
+            for name in ("summary.json", "points.csv", "path.vtp", "job.yaml"):
+                self.assertEqual((out / name).read_bytes(), (self.folder / "en" / name).read_bytes(), name)
+            again = brief(out, language).stdout.replace(str(out), "OUT").splitlines()
+            self.assertEqual(again[:-1], said[language].splitlines())
+        self.assertTrue(said["en"].startswith("done       "))
+        self.assertRegex(said["de"], r"^fertig     .*: \d+ von \d+ Punkten in \d+ Bahnen\n")
+        self.assertRegex(said["zh"], r"^完成       .*：\d+ 点中的 \d+ 点，\d+ 次走刀\n")
+        self.assertIn("\nBericht    OUT/report.html\n", said["de"])
+        for text in said.values():
+            self.assertLessEqual(text.count("\n"), 12)
+            self.assertEqual(sorted(re.findall(r"[\d.]*\d", text)), sorted(re.findall(r"[\d.]*\d", said["en"])))
+        for language in ("de", "zh"):
+            self.assertEqual(re.findall(r"\b(?:confirmed|files?|with|the|and|not|assumed|more)\b", said[language]), [], language)
+
+    def test_an_unknown_language_is_refused_with_those_there_are(self):
+        for arguments in (("report", self.folder, "--html", "x.html"), ("plan", JOB, "-o", self.folder / "out")):
+            result = run(*arguments, "--lang", "zhe", env={**os.environ, "LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"})
+            self.assertEqual((result.returncode, result.stdout), (2, ""))
+            for part in ("--lang", "zhe", "known: en, de, zh", 'did you mean "zh"?'):
+                self.assertIn(part, result.stderr)
+        self.assertFalse((self.folder / "out").exists())
 
     def test_bad_input(self):
         out = self.folder / "out"

@@ -49,6 +49,54 @@ class Tools(InFolder):
         self.assertEqual(self.plan(cell=cell).returncode, 0)
         self.assertIn("HALT\nWAIT SEC 0\nWHILE SPINDLE_TOOL<>2\n; TOOL 2 drill_d5 EXPECTED\nHALT\nENDWHILE\n", self.program("krl").read_text())
 
+    def shared(self):
+        """The cell with its tools in a file of their own, and that file."""
+        begin, end = CELL.index("tools: "), CELL.index("tool_change_deg:")
+        return CELL[:begin] + "tools_file: shop/tools.yaml\n" + CELL[end:], "millpose_tools: 1\n" + CELL[begin:end]
+
+    def test_tools_of_a_file_are_those_of_the_cell(self):
+        cell, tools = self.shared()
+        (self.folder / "shop").mkdir()
+        (self.folder / "shop" / "tools.yaml").write_text(tools)
+        self.assertEqual(self.plan().returncode, 0)
+        results = lambda: {name: (self.folder / "out" / name).read_bytes() for name in ("cell.yaml", "points.csv", *(f"programs/{c}/{main}" for c, main in MAINS.items()))}
+        own = results()
+        planned = self.plan(cell=cell)
+        self.assertEqual(planned.returncode, 0, planned.stderr)
+        self.assertEqual(results(), own)
+        self.assertEqual(run("verify", self.folder / "out").returncode, 0)
+        self.assertIn("unchanged", self.plan(cell=cell).stdout)
+        (self.folder / "shop" / "tools.yaml").write_text(tools.replace("diameter_mm: 50", "diameter_mm: 51"))
+        self.assertNotIn("unchanged", self.plan(cell=cell).stdout)
+
+    def test_what_is_wrong_with_a_tools_file_is_told_with_its_place(self):
+        cell, tools = self.shared()
+        (self.folder / "shop").mkdir()
+        line = lambda text, word: text[:text.index(word)].count("\n") + 1
+        for given, own, said in (
+            (tools.replace("drill_d5", "mill_d20"), cell, rf"shop/tools\.yaml:{line(tools, '- name: drill_d5')}:\d+: tools\[1\]\.name: given mill_d20 twice"),
+            (tools.replace("diameter_mm: 5,", "diametre_mm: 5,"), cell, r"shop/tools\.yaml:\d+:\d+: .*diametre_mm.*diameter_mm"),
+            ("millpose_tools: 1\ntools: []\n", cell, r"shop/tools\.yaml:2:\d+: tools: given no tool; allowed: at least one"),
+            (CELL, cell, r"shop/tools\.yaml:\d+:\d+: this is a cell file; a tools file is expected here"),
+            (tools, cell.replace("tools_file:", "tools: []\ntools_file:"), r"cell\.yaml:\d+:\d+: tools: given together with tools_file; allowed: one of the two"),
+            (tools, cell.replace("shop/tools.yaml", "shop/tool.yaml"), r"cell\.yaml:\d+.*tools_file: there is no file .*shop/tool\.yaml"),
+        ):
+            with self.subTest(said):
+                (self.folder / "shop" / "tools.yaml").write_text(given)
+                planned = self.plan(cell=own)
+                self.assertEqual(planned.returncode, 2, planned.stdout)
+                self.assertRegex(planned.stderr, said)
+
+    def test_a_tools_file_outside_of_the_root_is_not_read(self):
+        cell, tools = self.shared()
+        (self.folder / "shop").mkdir()
+        (self.folder / "shop" / "tools.yaml").write_text(tools)
+        (self.folder / "inner").mkdir()
+        (self.folder / "inner" / "cell.yaml").write_text(cell.replace("shop/", "../shop/"))
+        refused = run("check", self.folder / "inner" / "cell.yaml", "--root", self.folder / "inner")
+        self.assertEqual(refused.returncode, 2, refused.stdout)
+        self.assertIn("shop/tools.yaml", refused.stderr)
+
     def test_without_a_place_the_tool_is_changed_at_home(self):
         cell = re.sub(r"tool_change_deg:.*\n", "", CELL)
         self.assertEqual(self.plan(cell=cell).returncode, 0)

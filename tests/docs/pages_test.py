@@ -8,6 +8,8 @@ import tempfile
 import unittest
 
 TOP = pathlib.Path(sys.argv[1]).resolve()
+MOST_WORDS, MOST_OF_README = 1500, 950
+MADE = {"yaml-reference.md"}  # as long as there are keys
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 
 
@@ -72,6 +74,16 @@ def ragged(top):
     return found
 
 
+def long_pages(top):
+    """Pages with more words than somebody reads before giving up; tables and examples count."""
+    found = []
+    for page in pages(top):
+        words, most = len(page.read_text().split()), MOST_OF_README if page == top / "README.md" else MOST_WORDS
+        if words > most and page.name not in MADE:
+            found.append(f"{page.relative_to(top)}: {words} words, {most} allowed")
+    return found
+
+
 class Pages(unittest.TestCase):
     def test_every_link_leads_to_a_file(self):
         self.assertEqual(broken(TOP), [])
@@ -85,6 +97,9 @@ class Pages(unittest.TestCase):
     def test_tables_have_their_columns(self):
         self.assertEqual(ragged(TOP), [])
 
+    def test_no_page_is_long(self):
+        self.assertEqual(long_pages(TOP), [])
+
     def test_faults_are_seen(self):
         with tempfile.TemporaryDirectory() as folder:
             top = pathlib.Path(folder).resolve()
@@ -97,6 +112,10 @@ class Pages(unittest.TestCase):
             self.assertEqual(unreached(top), ["docs/alone.md"])
             self.assertEqual(unlinked(top), ["alone.md", "b.md"])
             self.assertEqual(ragged(top), ["README.md:5: 4 cells, 2 above"])
+            self.assertEqual(long_pages(top), [])
+            for name, words in (("README.md", 951), ("docs/a.md", 1500), ("docs/b.md", 1501), ("docs/yaml-reference.md", 1501)):
+                (top / name).write_text("word " * words)
+            self.assertEqual(long_pages(top), ["README.md: 951 words, 950 allowed", "docs/b.md: 1501 words, 1500 allowed"])
 
 
 if __name__ == "__main__":

@@ -91,7 +91,7 @@ std::vector<File> StlFiles() {
       {"text without facets", "solid part\nendsolid part\n", "part: the file holds no triangles"},
       {"rubbish", std::string(200, 'x'),
        "part:1:1: text of no known mesh format begins with \"" + std::string(60, 'x') +
-           "…\"; STL, OBJ, PLY, OFF and STEP are read"}};
+           "…\"; STL, OBJ, PLY, OFF, STEP, IGES and 3MF are read"}};
 }
 
 std::vector<File> ObjFiles() {

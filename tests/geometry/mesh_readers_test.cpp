@@ -177,13 +177,14 @@ TEST(ReadMesh, TakesTheMarkOfUtf8Away) {
 TEST(ReadMesh, SaysWhatTextIsNoMesh) {
   std::string wide = "\xff\xfe";
   for (const char c : kTetrahedron) wide += std::string{c, '\0'};
-  EXPECT_EQ(MeshError(wide),
-            "part: the file is text in UTF-16; save it as UTF-8. STL, OBJ, PLY, OFF and STEP are read");
+  EXPECT_EQ(
+      MeshError(wide),
+      "part: the file is text in UTF-16; save it as UTF-8. STL, OBJ, PLY, OFF, STEP, IGES and 3MF are read");
   std::string prose;
   for (int i = 0; i < 20; ++i) prose += "This part is milled from 5A06.\n";
-  EXPECT_EQ(
-      MeshError(prose),
-      "part:1:1: text of no known mesh format begins with \"This\"; STL, OBJ, PLY, OFF and STEP are read");
+  EXPECT_EQ(MeshError(prose),
+            "part:1:1: text of no known mesh format begins with \"This\"; STL, OBJ, PLY, OFF, STEP, IGES and "
+            "3MF are read");
 }
 
 TEST(ReadMesh, MessagesSurviveZeroBytes) {

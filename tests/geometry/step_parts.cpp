@@ -10,6 +10,8 @@
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRep_Builder.hxx>
+#include <IGESControl_Controller.hxx>
+#include <IGESControl_Writer.hxx>
 #include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
@@ -23,6 +25,7 @@
 #include <gp_Pln.hxx>
 #include <gp_Trsf.hxx>
 #include <regex>
+#include <sstream>
 
 #include "base/file.hpp"
 
@@ -43,12 +46,27 @@ std::string AsStep(const TopoDS_Shape& shape, const std::string& unit) {
   return bytes;
 }
 
+TopoDS_Shape BlockWithHole(double radius) {
+  const TopoDS_Shape block = BRepPrimAPI_MakeBox(100.0, 60.0, 20.0).Shape();
+  const gp_Ax2 axis(gp_Pnt(50, 30, -1), gp_Dir(0, 0, 1));
+  return BRepAlgoAPI_Cut(block, BRepPrimAPI_MakeCylinder(axis, radius, 22).Shape()).Shape();
+}
+
 }  // namespace
 
 std::string DrilledBlockStep(const std::string& unit, double radius) {
-  const TopoDS_Shape block = BRepPrimAPI_MakeBox(100.0, 60.0, 20.0).Shape();
-  const gp_Ax2 axis(gp_Pnt(50, 30, -1), gp_Dir(0, 0, 1));
-  return AsStep(BRepAlgoAPI_Cut(block, BRepPrimAPI_MakeCylinder(axis, radius, 22).Shape()).Shape(), unit);
+  return AsStep(BlockWithHole(radius), unit);
+}
+
+std::string DrilledBlockIges(const std::string& unit, bool solid) {
+  Message::DefaultMessenger()->ChangePrinters().Clear();
+  IGESControl_Controller::Init();
+  IGESControl_Writer writer(unit.c_str(), solid ? 1 : 0);
+  writer.AddShape(BlockWithHole(15));
+  writer.ComputeModel();
+  std::ostringstream file;
+  writer.Write(file);
+  return file.str();
 }
 
 std::string LostFaceStep() {

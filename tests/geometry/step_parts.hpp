@@ -9,6 +9,9 @@ namespace millpose {
 /// as STEP in the given unit ("MM" or "INCH").
 std::string DrilledBlockStep(const std::string& unit, double radius = 15);
 
+/// The same block as IGES: as a solid, or as surfaces that stand beside each other.
+std::string DrilledBlockIges(const std::string& unit, bool solid);
+
 /// A plate of 100 × 60 × 10 mm on the floor with two ribs of 10 × 60 × 30 mm upright on it, which share faces
 /// and edges with it: an assembly of the products "plate" and, used twice, "rib".
 std::string AssemblyStep();

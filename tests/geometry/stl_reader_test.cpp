@@ -70,9 +70,10 @@ TEST(StlReader, RefusesWhatTheSizeCannotHold) {
   EXPECT_EQ(StlError(""), "part.stl: the file is empty");
   EXPECT_EQ(StlError("solid nothing\nendsolid nothing\n"), "part.stl: the file holds no triangles");
   EXPECT_EQ(StlError(BinaryStl({})), "part.stl: the file holds no triangles");
-  EXPECT_EQ(StlError("short"),
-            "part.stl:1:1: text of no known mesh format begins with \"short\"; STL, OBJ, PLY, OFF and STEP "
-            "are read");
+  EXPECT_EQ(
+      StlError("short"),
+      "part.stl:1:1: text of no known mesh format begins with \"short\"; STL, OBJ, PLY, OFF, STEP, IGES and "
+      "3MF are read");
 }
 
 TEST(StlReader, RefusesNumbersThatAreNotFinite) {

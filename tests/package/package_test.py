@@ -46,6 +46,11 @@ class Install(TestWithFolder):
     def test_consumer_builds_and_runs_and_so_does_the_program(self):
         prefix = self.folder / "prefix"
         run("cmake", "--install", BUILD, "--prefix", prefix)
+        told = run("/usr/bin/python3", "-c", "import millpose; print(millpose.stiffness("
+                   f"'{prefix}/share/millpose/cells/kr500_r2830.yaml', [0, -90, 90, 0, 30, 0]).compliance.shape)",
+                   env={"PATH": f"{prefix}/bin:/usr/bin:/bin", "PYTHONPATH": str(prefix / "lib/python3/dist-packages")})
+        self.assertEqual(told, "(6, 6)\n")
+        self.assertTrue((prefix / "share/man/man1/millpose.1").is_file())
         run("cmake", "-S", CONSUMER, "-B", self.folder / "consumer", "-DCMAKE_PREFIX_PATH=" + str(prefix))
         run("cmake", "--build", self.folder / "consumer")
         t1, t2, n = (float(x) for x in run(self.folder / "consumer/pose_stiffness").split())
@@ -69,20 +74,28 @@ class Deb(TestWithFolder):
     def test_package_works_in_a_clean_debian(self):
         self.assertEqual(os.geteuid(), 0, "debootstrap and chroot need root")
         run("cpack", "-G", "DEB", "-B", self.folder / "deb", cwd=BUILD)
-        debs = list((self.folder / "deb").glob("*.deb"))
-        self.assertEqual(len(debs), 1, debs)
+        debs = sorted((self.folder / "deb").glob("*.deb"))
+        self.assertEqual([deb.name.split("_")[0] for deb in debs], ["millpose", "python3-millpose"])
         depends = run("dpkg-deb", "--field", debs[0], "Depends")
         for library in ("libc6", "libstdc++6", "libfcl0.7", "libompl16", "libyaml-cpp0.7"):
             self.assertIn(library, depends)
         root = self.folder / "root"
         run("debootstrap", "--variant=minbase", "bookworm", root, MIRROR)
-        shutil.copy(debs[0], root / "millpose.deb")
-        run("chroot", root, "apt-get", "install", "-y", "--no-install-recommends", "/millpose.deb",
-            env={"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C"})
+        environment = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C"}
+
+        def install(deb):
+            shutil.copy(deb, root / "package.deb")
+            run("chroot", root, "apt-get", "install", "-y", "--no-install-recommends", "/package.deb", env=environment)
+
+        install(debs[0])
         run("chroot", root, "sh", "-c", "cp -r /usr/share/millpose /samples && millpose plan --quiet "
             "/samples/toolpaths/support_pad/job.yaml -o /out")
         self.assert_planned(root / "out")
         self.assertEqual(run("chroot", root, "sh", "-c", "find /usr/include /usr/lib -name '*millpose*'"), "")
+        install(debs[1])
+        told = run("chroot", root, "python3", "-c", "import millpose; print(millpose.load('/out').joints_deg.shape[1], "
+                   "millpose.stiffness('/samples/cells/kr500_r2830.yaml', [0, -90, 90, 0, 30, 0]).mu.shape)", env=environment)
+        self.assertEqual(told, "6 ()\n")
 
 
 if __name__ == "__main__":

@@ -45,9 +45,4 @@ PoseIndices IndicesAt(const Arm& arm, const Joints& q, const Vector3d& p_FT, con
   return at;
 }
 
-std::string Angles(const Joints& q) {
-  return fmt::format("{:.3f}, {:.3f}, {:.3f}, {:.3f}, {:.3f}, {:.3f}", RadToDeg(q[0]), RadToDeg(q[1]),
-                     RadToDeg(q[2]), RadToDeg(q[3]), RadToDeg(q[4]), RadToDeg(q[5]));
-}
-
 }  // namespace millpose

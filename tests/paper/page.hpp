@@ -50,7 +50,4 @@ struct PoseIndices {
 PoseIndices IndicesAt(const Arm& arm, const Joints& q, const Eigen::Vector3d& p_FT,
                       const Eigen::Vector3d& normal_F);
 
-/// Six angles in degrees.
-std::string Angles(const Joints& q);
-
 }  // namespace millpose

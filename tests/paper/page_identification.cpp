@@ -28,12 +28,12 @@ void Identification2() {
       "538.2, 737.8 N. **Reproduced**.\n",
       39.2 + 99.8, 39.2 + 3 * 99.8, 39.2 + 5 * 99.8, 39.2 + 7 * 99.8);
   Write("Table 2's poses with table 1's arm (the paper prints no positions to compare with):\n");
-  Write("| pose | A1 .. A6, deg | flange centre, mm | D, 1000 mm | in table 5 |\n|---|---|---|---|---|");
+  Write("| pose | flange centre, mm | D, 1000 mm | in table 5 |\n|---|---|---|---|");
   for (size_t k = 0; k < kTable2.size(); ++k) {
     const Joints& q = kTable2[k];
     const Vector3d p = ForwardFlange(KrQuantecR2700(), q).translation();
     const bool within = (q.array() >= kTable5[0].array()).all() && (q.array() <= kTable5[1].array()).all();
-    Write("| {} | {} | {:.1f}, {:.1f}, {:.1f} | {:.3f} | {} |", k + 1, Angles(q), p.x(), p.y(), p.z(),
+    Write("| {} | {:.1f}, {:.1f}, {:.1f} | {:.3f} | {} |", k + 1, p.x(), p.y(), p.z(),
           Dexterity(Jacobian(KrQuantecR2700(), q, Vector3d::Zero()), 1000),
           within ? "yes" : fmt::format("no: A3 = {:.3f} deg", RadToDeg(q[2])));
   }

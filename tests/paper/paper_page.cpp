@@ -20,15 +20,15 @@ void WriteLine(const std::string& line) { page += line + '\n'; }
 void Head() {
   Write("# Chen et al. 2021 compared with millpose\n");
   Write(
-      "Written by `tests/paper/paper_page.cpp`; the test `paper` fails when this page no longer says what "
-      "the program");
+      "This page says which numbers of the paper millpose reproduces: Chen Qintao et al., Pose Optimization "
+      "of "
+      "Industrial");
   Write(
-      "computes. Source: Chen Qintao et al., Pose Optimization of Industrial Robots Based on Stiffness for "
-      "Milling Tasks,");
+      "Robots Based on Stiffness for Milling Tasks, Robot 43(1), 2021, 90-100. Verdicts: **reproduced**, "
+      "**order only**,");
   Write(
-      "Robot 43(1), 2021, 90-100. Verdicts: **reproduced**, **order only**, **cannot be**, each with the "
-      "reason.");
-  Write("Compliance in 1e-4 mm/N unless said otherwise.\n");
+      "**cannot be**. Compliance is in 1e-4 mm/N. `tests/paper/paper_page.cpp` writes the page, and the test "
+      "`paper` compares it.\n");
 }
 
 void Table1() {
@@ -66,19 +66,18 @@ void Figure3Section(const Figure3& figure) {
       "{:.2e} with lengths in mm, as equation 3 is printed: D mixes units, its scale is that of the length "
       "chosen.\n",
       figure.in_mm);
-  Write("| pose | D, 1000 mm | D, mm | share of the map's greatest |\n|---|---|---|---|");
   int yellow = 0;
+  std::string values;
   for (int k = 0; k < 5; ++k) {
-    const Matrix6 J = Jacobian(Chen2021Table6(), kTable6[k], kTip);
-    const double D = Dexterity(J, 1000);
+    const double D = Dexterity(Jacobian(Chen2021Table6(), kTable6[k], kTip), 1000);
     yellow += D >= figure.yellow_from;
-    Write("| table 6, {} | {:.4f} | {:.2e} | {:.2f} |", k + 1, D, Dexterity(J, 1), D / figure.greatest);
+    values += fmt::format("{}{:.4f}", k == 0 ? "" : ", ", D);
   }
+  Write("The paper wants poses from its bright area. Table 6's five have {};", values);
   Write(
-      "\nThe paper wants poses from its bright area. Of table 6's five, {} lie in the brightest three of ten "
-      "bands",
-      yellow);
-  Write("(D from {:.4f}). In a job, `limits.dexterity_min` makes it a condition.\n", figure.yellow_from);
+      "{} of them lie in the brightest three of ten bands (D from {:.4f}). In a job, `limits.dexterity_min` "
+      "makes it a condition.\n",
+      yellow, figure.yellow_from);
 }
 
 int Main(bool figure_alone) {

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """usage: browser_test.py WRITE_REPORT_PANEL: opens a report from file:// in a headless Chromium without a
 network and uses it as a person would."""
+import base64
+import json
+import math
+import struct
 import subprocess
 import sys
 import unittest
@@ -119,6 +123,20 @@ class ReportInBrowser(BrowserCase):
         self.assert_all_show(number)
         self.assertEqual(self.text("#point-status"), "skipped, interference: spindle against workpiece </script><b>")
         self.assertFalse(self.js("millpose.views.scene.groups.arm.visible"))
+
+    def test_a_plan_without_any_pose_opens(self):
+        begin, end = '<script type="application/json" id="plan-data">', "</script>"
+        before, rest = self.page.read_text().split(begin)
+        data, after = rest.split(end, 1)
+        plan = json.loads(data)
+        for column in plan["columns"]:
+            count = len(base64.b64decode(column["values"])) // 4
+            column["values"] = base64.b64encode(struct.pack(f"<{count}f", *[math.nan] * count)).decode()
+        plan["timeline"] = None
+        page = self.folder / "no_pose.html"
+        page.write_text(before + begin + json.dumps(plan).replace("</", "<\\/") + end + after)
+        self.browser.open(page.as_uri())
+        self.assertEqual(self.text("#point-title"), "Point 0")
 
     def test_fit_arm_shows_every_joint(self):
         seen = """millpose.armFrames(millpose.data, millpose.jointsOf(millpose.data, millpose.selected)).map((f) => {

@@ -377,8 +377,8 @@ TEST(SampleCurves, TakesTheWorstWhenNotAllAreSampled) {
 TEST(ReportHtml, HostileNamesStayText) {
   const std::string& page = SmallPage();
   EXPECT_EQ(page.find("<script>alert"), std::string::npos);
-  EXPECT_EQ(Count(page, "<script"), 3u);
-  EXPECT_EQ(Count(page, "</script>"), 3u);
+  EXPECT_EQ(Count(page, "<script"), 4u);
+  EXPECT_EQ(Count(page, "</script>"), 4u);
   EXPECT_NE(page.find("<title>&lt;/script&gt;"), std::string::npos);
   const std::string job = DataOf(page)["job"];
   EXPECT_TRUE(job.starts_with("</script><script>alert(1)</script> & \"ü\""));

@@ -14,7 +14,7 @@
 namespace millpose {
 namespace {
 
-constexpr const char* kFormats = "STL, OBJ, PLY, OFF and STEP are read";
+constexpr const char* kFormats = "STL, OBJ, PLY, OFF, STEP, IGES and 3MF are read";
 
 bool IsUtf16(std::string_view bytes) {
   return bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff");
@@ -39,7 +39,7 @@ std::string OtherKind(std::string_view bytes, const std::string& name) {
   if (has("millpose_cell:")) return "this is a millpose cell, not a mesh";
   if (named.ends_with(".md") || named.ends_with(".txt")) return "this is a text for people, not a mesh";
   if (head.starts_with("<?xml") || head.starts_with("<"))
-    return "this is XML, not a mesh; Collada and 3MF must be converted";
+    return "this is XML, not a mesh; Collada must be converted, a 3MF file is a zip archive";
   return "";
 }
 
@@ -62,7 +62,7 @@ RawMesh Read(std::string_view bytes, const std::string& name, const StepOptions&
   if (bytes.starts_with("\xef\xbb\xbf"))
     bytes.remove_prefix(3);  // the mark that some editors put before UTF-8
   if (IsStepTriangles(bytes)) return ReadStepTriangles(bytes, name);
-  if (LooksLikeStep(bytes)) return ReadStep(bytes, name, step);
+  if (LooksLikeCad(bytes)) return ReadStep(bytes, name, step);
   if (LooksLikePly(bytes)) return ReadPly(bytes, name);
   if (LooksLikeOff(bytes)) return ReadOff(bytes, name);
   if (LooksLikeObj(bytes)) return ReadObj(bytes, name);

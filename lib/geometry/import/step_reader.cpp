@@ -37,18 +37,18 @@ std::string LastLine(std::string_view text) {
   return Shown(last, 300);
 }
 
-[[noreturn]] void TellFailure(const ProcessResult& result, const std::string& name,
+[[noreturn]] void TellFailure(const ProcessResult& result, const char* format, const std::string& name,
                               const StepOptions& options) {
   const int signal = result.status - 128;
   if (result.status == 2) throw InputError({name}, LastLine(result.errors));
   if (result.status == 3)
-    throw InputError({name},
-                     fmt::format("reading the STEP file takes more than {} MB of memory", options.memory_MB));
+    throw InputError({name}, fmt::format("reading the {} file takes more than {} MB of memory", format,
+                                         options.memory_MB));
   if (signal == SIGXCPU || signal == SIGALRM || signal == SIGKILL)
-    throw InputError({name}, fmt::format("reading the STEP file took more than {} s", options.seconds));
+    throw InputError({name}, fmt::format("reading the {} file took more than {} s", format, options.seconds));
   throw InputError({name}, signal > 0
-                               ? fmt::format("the STEP reader crashed on this file (signal {})", signal)
-                               : fmt::format("the STEP reader failed (status {}): {}", result.status,
+                               ? fmt::format("the {} reader crashed on this file (signal {})", format, signal)
+                               : fmt::format("the {} reader failed (status {}): {}", format, result.status,
                                              LastLine(result.errors)));
 }
 
@@ -65,7 +65,7 @@ class DataValues {
   DataValues(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
   template <typename T>
   T Next() {
-    if (bytes_.size() < sizeof(T)) throw InputError({name_}, "the STEP reader's answer is cut off");
+    if (bytes_.size() < sizeof(T)) throw InputError({name_}, "millpose-step's answer is cut off");
     T value;
     std::memcpy(&value, bytes_.data(), sizeof(T));
     bytes_.remove_prefix(sizeof(T));
@@ -79,8 +79,26 @@ class DataValues {
 
 }  // namespace
 
-bool LooksLikeStep(std::string_view bytes) {
-  return bytes.substr(0, 200).find("ISO-10303-21") != std::string_view::npos;
+const char* NameOf(CadFormat format) {
+  switch (format) {
+    case CadFormat::kIges:
+      return "IGES";
+    case CadFormat::kThreeMf:
+      return "3MF";
+    default:
+      return "STEP";
+  }
+}
+
+std::optional<CadFormat> CadFormatOf(std::string_view bytes) {
+  if (bytes.substr(0, 200).find("ISO-10303-21") != std::string_view::npos) return CadFormat::kStep;
+  if (bytes.starts_with("PK\x03\x04")) return CadFormat::kThreeMf;
+  // Of the first line's 80 columns the last 8 are its section and its number: S      1.
+  const std::string_view end = bytes.substr(std::min<size_t>(72, bytes.size()), 8);
+  if (end.size() == 8 && end.front() == 'S' && end.back() == '1' &&
+      std::ranges::all_of(end.substr(1, 6), [](char c) { return c == ' ' || c == '0'; }))
+    return CadFormat::kIges;
+  return std::nullopt;
 }
 
 bool IsStepTriangles(std::string_view bytes) {
@@ -93,13 +111,15 @@ RawMesh ReadStep(std::string_view bytes, const std::string& name, const StepOpti
 
 std::string CutStep(std::string_view bytes, const std::string& name, const StepOptions& options) {
   const std::filesystem::path program = options.program.empty() ? FindProgram() : options.program;
+  const char* format = NameOf(CadFormatOf(bytes).value_or(CadFormat::kStep));
   if (program.empty())
     throw InputError(
         {name},
-        "this is a STEP file, and the program that reads it, millpose-step, is not next to millpose: "
-        "keep both together, or install libocct-data-exchange-dev and build again, or export STL, OBJ, "
-        "PLY or OFF");
-  ProcessResult result = RunProcess({program.string(), ShortestNumber(options.chord_tolerance),
+        fmt::format("this is a {} file, and the program that reads it, millpose-step, is not next to "
+                    "millpose: keep both together, or install libocct-data-exchange-dev and build again, or "
+                    "export STL, OBJ, PLY or OFF",
+                    format));
+  ProcessResult result = RunProcess({program.string(), format, ShortestNumber(options.chord_tolerance),
                                      std::to_string(options.memory_MB), std::to_string(options.seconds)},
                                     options.stop, bytes, [&](std::string_view line) {
                                       if (!options.percent || !line.starts_with(kProgress)) return;
@@ -107,7 +127,7 @@ std::string CutStep(std::string_view bytes, const std::string& name, const StepO
                                       if (percent && *percent >= 0 && *percent <= 100)
                                         options.percent(static_cast<int>(*percent));
                                     });
-  if (result.status != 0) TellFailure(result, name, options);
+  if (result.status != 0) TellFailure(result, format, name, options);
   return std::move(result.output);
 }
 
@@ -133,7 +153,8 @@ std::string WriteStepTriangles(const RawMesh& mesh) {
   for (const Eigen::Vector3d& p : triangles.vertices) Append(bytes, p.data(), 3);
   for (size_t f = 0; f < triangles.faces.size(); ++f) {
     Append(bytes, triangles.faces[f].data(), 3);
-    Append(bytes, &triangles.source[f], 1);
+    const int source = triangles.source.empty() ? 0 : triangles.source[f];
+    Append(bytes, &source, 1);
   }
   return bytes;
 }
@@ -171,17 +192,18 @@ RawMesh ReadStepTriangles(std::string_view bytes, const std::string& name) {
     const double x = values.Next<double>(), y = values.Next<double>(), z = values.Next<double>();
     triangles.vertices.emplace_back(x, y, z);
     if (!triangles.vertices.back().allFinite())
-      throw InputError({name}, "the STEP file gives a point that is not finite");
+      throw InputError({name}, "the file gives a point that is not finite");
   }
   triangles.faces.reserve(faces);
   triangles.source.reserve(faces);
   for (long long i = 0; i < faces; ++i) {
     std::array<int, 3>& face = triangles.faces.emplace_back();
     for (int& corner : face) corner = values.Next<int>();
-    triangles.source.push_back(values.Next<int>());
-    if (std::ranges::min(face) < 0 || std::ranges::max(face) >= vertices || triangles.source.back() < 0 ||
-        triangles.source.back() >= sources)
-      throw InputError({name}, "the STEP reader's answer is damaged");
+    const int source = values.Next<int>();
+    if (sources > 0) triangles.source.push_back(source);
+    if (std::ranges::min(face) < 0 || std::ranges::max(face) >= vertices || source < 0 ||
+        source >= std::max(1LL, sources))
+      throw InputError({name}, "millpose-step's answer is damaged");
   }
   return mesh;
 }

@@ -95,8 +95,28 @@ void CheckNumber(const Value& value, const Context& context, const CellSettings&
       "tool_change_deg never changes it");
 }
 
-// What tells tools apart must differ; the first one counts until a job names another.
+// What tells tools apart must differ.
+void CheckToolsDiffer(const Value& list, const Context& context, const std::vector<ToolSettings>& tools) {
+  for (size_t i = 0; i < tools.size(); ++i)
+    for (size_t j = 0; j < i; ++j) {
+      const Context at = context.Child(i);
+      if (tools[i].name == tools[j].name)
+        at.Child("name").Add(list.items[i].mark, fmt::format("given {} twice", tools[i].name));
+      if (tools[i].number && tools[i].number == tools[j].number)
+        at.Child("number").Add(list.items[i].mark, fmt::format("given {} twice", *tools[i].number));
+    }
+}
+
+// A cell has one tool, a list of them, or the list of a tools file; the first one counts until a job names
+// another.
 void CheckTools(const Value& value, const Context& context, CellSettings& cell) {
+  if (const Value::Key* file = value.FindKey("tools_file")) {
+    cell.tools_line = file->mark.line;
+    for (const char* other : {"tool", "tools"})
+      if (const Value::Key* given = value.FindKey(other))
+        context.Child(other).Add(given->mark, "given together with tools_file; allowed: one of the two");
+    return;
+  }
   if (cell.tools.empty()) {
     if (const Value* given = value.Find("tools"))
       context.Child("tools").Add(given->mark, "given no tool; allowed: at least one");
@@ -104,17 +124,9 @@ void CheckTools(const Value& value, const Context& context, CellSettings& cell) 
       CheckNumber(value, context, cell);
     return;
   }
-  const std::vector<Value>& items = value.Find("tools")->items;
   if (const Value::Key* one = value.FindKey("tool"))
     context.Child("tool").Add(one->mark, "given together with tools; allowed: one of the two");
-  for (size_t i = 0; i < cell.tools.size(); ++i)
-    for (size_t j = 0; j < i; ++j) {
-      const Context at = context.Child("tools").Child(i);
-      if (cell.tools[i].name == cell.tools[j].name)
-        at.Child("name").Add(items[i].mark, fmt::format("given {} twice", cell.tools[i].name));
-      if (cell.tools[i].number && cell.tools[i].number == cell.tools[j].number)
-        at.Child("number").Add(items[i].mark, fmt::format("given {} twice", *cell.tools[i].number));
-    }
+  CheckToolsDiffer(*value.Find("tools"), context.Child("tools"), cell.tools);
   cell.tool = cell.tools.front();
 }
 
@@ -151,12 +163,15 @@ const Codec<CellSettings>& CellFields() {
                  "Where programs start and end.")
               .Required(),
           Key<S>("tool", MILLPOSE_AT(tool), ToolFields(), "Tool tip, cutter, holder and spindle.")
-              .RequiredUnless("tools")
+              .RequiredUnless("tools, tools_file")
               .WhenSet([](const S& s) { return s.tools.empty(); }),
           Key<S>(
               "tools", MILLPOSE_AT(tools), ListOf(ToolFields()),
               "In place of `tool`: all tools that the spindle can hold, each as `tool`; a job names its own.")
               .WhenSet([](const S& s) { return !s.tools.empty(); }),
+          Key<S>("tools_file", MILLPOSE_AT(tools_file), Text(),
+                 "In place of `tools`: a tools file that holds them, relative to this file (docs/tools.md).")
+              .WhenSet([](const S& s) { return !s.tools_file.empty(); }),
           Key<S>("tool_change_deg", MILLPOSE_AT(change_at), Maybe(Numbers6(kDeg, Between(-3600, 3600))),
                  "Axes A1 to A6 at which the tool is changed, by the text tool_change; else at home."),
           Key<S>("bodies", MILLPOSE_AT(bodies), ListOf(BodyFields()), "What must not be touched."),
@@ -193,6 +208,23 @@ const Codec<CellSettings>& CellFields() {
         };
         cell.bodies_line = line("bodies");
         cell.controllers_line = line("controllers");
+      });
+  return fields;
+}
+
+const Codec<ToolsFile>& ToolsFileFields() {
+  using S = ToolsFile;
+  static const Codec<S> fields = Section<S>(
+      {
+          VersionKey<S>("millpose_tools", 1),
+          Key<S>("tools", MILLPOSE_AT(tools), ListOf(ToolFields()), "The tools, each as a cell's `tool`.")
+              .Required(),
+      },
+      [](const Value& value, const Context& context, S& file) {
+        const Context at = context.Child("tools");
+        const Value& list = *value.Find("tools");
+        if (file.tools.empty()) at.Add(list.mark, "given no tool; allowed: at least one");
+        CheckToolsDiffer(list, at, file.tools);
       });
   return fields;
 }

@@ -119,7 +119,7 @@ inline constexpr EnumWords<CutterTip, 3> kCutterTipWords = {
 
 struct ToolSettings {
   std::string name;
-  int name_line = 0;                                ///< of the YAML, for later errors
+  SourceLocation name_place = {};                   ///< in the YAML, for later errors
   std::optional<int> number;                        ///< by which controllers know it
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< in F, mm
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< T's z in F, from tip to holder, unit
@@ -204,6 +204,8 @@ struct CellSettings {
   Vector6 home = Vector6::Zero();    ///< rad
   ToolSettings tool;                 ///< that a job takes: one of `tools`, where there are some
   std::vector<ToolSettings> tools;   ///< that the spindle can hold; empty: `tool` alone
+  std::string tools_file;            ///< that they stand in, until ResolveTools() read it
+  int tools_line = 0;                ///< of that key, for later errors
   std::optional<Vector6> change_at;  ///< where the arm stands while the tool is changed, rad; else home
   std::vector<BodySettings> bodies;
   std::vector<std::pair<std::string, std::string>> excluded_pairs;
@@ -221,6 +223,12 @@ struct CellSettings {
   std::map<std::string, ControllerOptions> controllers;
   int controllers_line = 0;        ///< of the key, for later errors
   std::vector<std::string> notes;  ///< what followed from what was read, and is said once
+};
+
+/// A tools file: the tools that several cells share (key `millpose_tools: 1`).
+struct ToolsFile {
+  std::string file;  ///< as given, for messages
+  std::vector<ToolSettings> tools;
 };
 
 }  // namespace millpose

@@ -44,8 +44,10 @@ void Apply(const Override& change, config::Value* root) {
 
 // A file of another kind is reported as such, not key by key. The first key of each table says the kind.
 void RefuseOtherKind(const config::Value& root, const std::string& name, const std::string& own_key) {
-  static const std::map<std::string, std::string> kKinds{
-      {"millpose_job", "job"}, {"millpose_cell", "cell"}, {"millpose_batch", "batch"}};
+  static const std::map<std::string, std::string> kKinds{{"millpose_job", "job"},
+                                                         {"millpose_cell", "cell"},
+                                                         {"millpose_batch", "batch"},
+                                                         {"millpose_tools", "tools"}};
   if (root.FindKey(own_key) != nullptr) return;
   for (const auto& [key, kind] : kKinds)
     if (const config::Value::Key* given = root.FindKey(key))
@@ -185,6 +187,10 @@ CellSettings ParseCell(std::string_view yaml, const std::string& name) {
   return Parse(config::CellFields(), yaml, name);
 }
 
+ToolsFile ParseTools(std::string_view yaml, const std::string& name) {
+  return Parse(config::ToolsFileFields(), yaml, name);
+}
+
 BatchSettings ParseBatch(std::string_view yaml, const std::string& name) {
   return Parse(config::BatchFields(), yaml, name);
 }
@@ -198,6 +204,8 @@ std::string WriteCell(const CellSettings& cell) {
 std::string JobSchema() { return Schema(config::JobFields().schema, "millpose job"); }
 
 std::string BatchSchema() { return Schema(config::BatchFields().schema, "millpose batch"); }
+
+std::string ToolsSchema() { return Schema(config::ToolsFileFields().schema, "millpose tools"); }
 
 std::string CellSchema() { return Schema(config::CellFields().schema, "millpose cell"); }
 

@@ -38,6 +38,8 @@ JobOutline OutlineOf(std::string_view yaml, const std::string& name,
 std::string WithOverrides(std::string_view yaml, const std::string& name,
                           const std::vector<Override>& overrides);
 CellSettings ParseCell(std::string_view yaml, const std::string& name);
+/// Reads a tools file; throws InputError as ParseJob does.
+ToolsFile ParseTools(std::string_view yaml, const std::string& name);
 
 /// Makes `name` the tool of the cell. InputError where it has none of that name, or several and none is
 /// named.
@@ -47,9 +49,10 @@ void SelectTool(const std::string& name, CellSettings* cell);
 std::string WriteJob(const JobSettings& job);
 std::string WriteCell(const CellSettings& cell);
 
-/// JSON Schema (draft 2020-12) of the job and cell files, from the same field tables.
+/// JSON Schema (draft 2020-12) of the job, cell and tools files, from the same field tables.
 std::string JobSchema();
 std::string CellSchema();
+std::string ToolsSchema();
 
 /// The reference page of all keys (docs/yaml-reference.md), from the same field tables.
 std::string YamlReference();

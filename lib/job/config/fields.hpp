@@ -15,6 +15,7 @@ using yaml::Direction;  // not the enum
 const Codec<JobSettings>& JobFields();
 const Codec<CellSettings>& CellFields();
 const Codec<BatchSettings>& BatchFields();
+const Codec<ToolsFile>& ToolsFileFields();
 
 /// The sections of a job.
 Codec<WorkpieceSettings> WorkpieceFields();

@@ -139,6 +139,10 @@ const Codec<JobSettings>& JobFields() {
           .WhenSet([](const S& s) { return !s.operation.empty(); }),
       Key<S>("operation_of", MILLPOSE_AT(operation_of), Text(), "Likewise: the name of that job.")
           .WhenSet([](const S& s) { return !s.operation_of.empty(); }),
+      Key<S>(
+          "tool_held", MILLPOSE_AT(tool_held), Flag(),
+          "Likewise: the operation before has the same tool, which programs then compare and do not change.")
+          .WhenSet([](const S& s) { return s.tool_held; }),
       Key<S>("seed", MILLPOSE_AT(seed), Seed(), "Seed of all random numbers."),
       Key<S>("workpiece", MILLPOSE_AT(workpiece), WorkpieceFields(), "The part and its place.").Required(),
       Key<S>("toolpath", MILLPOSE_AT(toolpath), ToolpathFields(), "Where the tool goes.")

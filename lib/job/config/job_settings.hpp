@@ -97,6 +97,7 @@ struct WorkpieceSettings {
 struct CuttingSettings {
   std::string material = "5A06";  ///< of the built-in table, unless kc11 is given
   double kc11 = 0;                ///< N/mm²; 0: from the table
+  std::string kc11_source;        ///< where it comes from, for reports
   double mc = 0.25;
   int teeth = 0;
   std::optional<double> depth;      ///< axial, mm; else that of the layers
@@ -177,6 +178,7 @@ struct JobSettings {
   std::optional<PoseSettings> base_in_world;  ///< of the robot; none: the cell's
   std::string operation;                      ///< of a job that has several, which this one is; else empty
   std::string operation_of;                   ///< the name of that job
+  bool tool_held = false;                     ///< the operation before leaves this tool in the spindle
   uint64_t seed = 1;
   WorkpieceSettings workpiece;
   ToolpathSettings toolpath;

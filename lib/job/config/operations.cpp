@@ -83,6 +83,13 @@ void RefuseUnused(const Value& root, const std::vector<Value>& operations, const
   }
 }
 
+// The tool that operation `number` names, or the job for all; empty where neither does.
+std::string ToolOfOperation(const Value& root, size_t number) {
+  const Value* own = root.Find("operations")->items[number].Find("tool");
+  if (!own) own = root.Find("tool");
+  return own && own->kind == Value::Kind::kScalar ? own->text : std::string();
+}
+
 }  // namespace
 
 Field<JobSettings> OperationsField(const std::vector<Field<JobSettings>>& fields) {
@@ -182,6 +189,9 @@ Value OperationRoot(const Value& root, size_t number) {
     const std::string job = std::exchange(name->text, OperationName(name->text, operation_name));
     own.Put("operation_of", Value::Text(job));
   }
+  const std::string tool = ToolOfOperation(root, number);
+  if (number > 0 && !tool.empty() && tool == ToolOfOperation(root, number - 1))
+    own.Put("tool_held", Value::Plain("true"));
   return own;
 }
 

@@ -23,6 +23,9 @@ Codec<std::string> MaterialName() {
 }
 
 void CheckMaterial(const Value& value, const Context& context, const CuttingSettings& cutting) {
+  if (const Value::Key* source = value.FindKey("kc11_source"); source && cutting.kc11 == 0)
+    context.Child("kc11_source")
+        .Add(source->mark, "has no effect without kc11_N_mm2: the table has its own source");
   if (cutting.kc11 > 0 || FindCuttingMaterial(cutting.material)) return;
   const Value* given = value.Find("material");
   context.Child("material").Add(given ? given->mark : value.mark, UnknownMaterial(cutting.material));
@@ -37,6 +40,11 @@ Codec<CuttingSettings> CuttingFields() {
              "(docs/process-force.md)."),
       Key<S>("kc11_N_mm2", MILLPOSE_AT(kc11), Real(specific, UpTo(1e5)),
              "Specific cutting force at 1 mm chip thickness in place of the table's."),
+      Key<S>(
+          "kc11_source", MILLPOSE_AT(kc11_source), Text(),
+          "Where kc11_N_mm2 and mc come from, such as a cut with your own laminate and tool: said beside the "
+          "forces' share of the error.")
+          .WhenSet([](const S& s) { return !s.kc11_source.empty(); }),
       Key<S>("mc", MILLPOSE_AT(mc), Real(kOne, Between(0, 1)), "Exponent that goes with kc11_N_mm2."),
       Key<S>("teeth", MILLPOSE_AT(teeth), Integer(1, 100), "Teeth of the cutter.").Required(),
       Key<S>("depth_mm", MILLPOSE_AT(depth), Maybe(Real(kMm, Positive(1000))),

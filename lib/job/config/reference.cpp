@@ -92,6 +92,7 @@ std::string YamlReference() {
       "the others name it.\n";
   AddTable("Job", config::JobFields().keys, out);
   AddTable("Cell", config::CellFields().keys, out);
+  AddTable("Tools file", config::ToolsFileFields().keys, out);
   AddTable("Batch manifest", config::BatchFields().keys, out);
   return out;
 }

@@ -70,7 +70,8 @@ std::vector<Field<RegionOptions>> ConditionKeys() {
       Key<S>("connected", MILLPOSE_AT(connected), Maybe(ConnectedFields()),
              "Only faces reached from a point without passing a crease."),
       Key<S>("step_faces", MILLPOSE_AT(source_faces), ListOf(Text()),
-             "Only these faces of a STEP part, by number, #id or name (millpose check lists them), or by a "
+             "Only these faces of a STEP or IGES part, by number, #id or name (millpose check lists them), "
+             "or by a "
              "place on "
              "one: near 10 0 20 (mm, workpiece frame)."),
       Key<S>("rim_distance_mm", MILLPOSE_AT(rim_distance), Real(kMm, UpTo(1e5)),

@@ -113,7 +113,8 @@ Codec<ToolSettings> ToolFields() {
                                        tool.corner_radius, tool.cutter_diameter / 2));
   };
   const auto check = [](const Value& value, const Context& context, S& tool) {
-    tool.name_line = value.Find("name")->mark.line;
+    const Value& name = *value.Find("name");
+    tool.name_place = {context.file, name.mark.line, name.mark.column};
     CheckStack(value, context, tool);
     if (tool.axis.cross(tool.x).norm() < 1e-3)
       context.Child("x_in_flange").Add(value.mark, "is parallel to axis_in_flange; allowed: across it");

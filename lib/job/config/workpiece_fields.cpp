@@ -232,10 +232,10 @@ Codec<WorkpieceSettings> StockFields() {
   return Section<S>(
       {
           Key<S>("mesh", MILLPOSE_AT(stock_file), Text(),
-                 "Mesh or STEP file, relative to the job file; or box or cylinder.")
+                 "Mesh, STEP or IGES file, relative to the job file; or box or cylinder.")
               .WhenSet(by_file),
           Key<S>("unit", MILLPOSE_AT(stock_unit), LengthUnit(),
-                 "Unit of the mesh file; of a STEP file the one that it states.")
+                 "Unit of the mesh file; of a STEP, IGES or 3MF file the one that it states.")
               .WhenSet(by_file),
           Key<S>("box", MILLPOSE_AT(stock_box), Maybe(StockBoxFields()), "A box along the workpiece's axes."),
           Key<S>("cylinder", MILLPOSE_AT(stock_cylinder), Maybe(StockCylinderFields()), "A round bar."),
@@ -252,11 +252,11 @@ Codec<WorkpieceSettings> WorkpieceFields() {
   return Section<S>(
       {
           Key<S>("mesh", MILLPOSE_AT(mesh_file), Text(),
-                 "Mesh or STEP file, relative to the job file; strategy cam, a list of holes and a trimmed "
-                 "line go without.")
+                 "Mesh, STEP or IGES file, relative to the job file; strategy cam, a list of holes and a "
+                 "trimmed line go without.")
               .WhenSet([](const S& w) { return !w.mesh_file.empty(); }),
           Key<S>("unit", MILLPOSE_AT(unit), LengthUnit(),
-                 "Unit of the mesh file; of a STEP file the one that it states.")
+                 "Unit of the mesh file; of a STEP, IGES or 3MF file the one that it states.")
               .Required(),
           Key<S>(
               "frame", MILLPOSE_AT(frame),
@@ -290,7 +290,7 @@ Codec<WorkpieceSettings> WorkpieceFields() {
           Key<S>("flip", MILLPOSE_AT(flip), Flag(),
                  "Turn open sheets the other way round: their outside cannot be known."),
           Key<S>("chord_tolerance_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Between(1e-4, 100)),
-                 "Of a STEP part: largest distance between its faces and their triangles."),
+                 "Of a STEP or IGES part: largest distance between its faces and their triangles."),
           Key<S>("step", kSelf,
                  Section<S>({
                      Key<S>("seconds", MILLPOSE_AT(step_seconds), Integer(1, 86400),
@@ -298,7 +298,7 @@ Codec<WorkpieceSettings> WorkpieceFields() {
                      Key<S>("memory_MB", MILLPOSE_AT(step_memory), Integer(256, 1000000),
                             "Address space of the reading process."),
                  }),
-                 "What the reading of a STEP file may take."),
+                 "What the reading of a STEP, IGES or 3MF file may take."),
           Key<S>("allowance_mm", MILLPOSE_AT(allowance), Maybe(Real(kMm, UpTo(1000))),
                  "Material on the part's surface, added to every clearance from it.")
               .DefaultText("toolpath.depth.total_mm, with workpiece.stock 0"),

@@ -399,6 +399,20 @@ void Expression::Evaluate(const ComplianceBlock& c, const ObjectiveContext& cont
   }
 }
 
+std::vector<std::string> ObjectiveIndexNames() {
+  std::vector<std::string> names = Expression::Names();
+  names.resize(kIndexCount);
+  return names;
+}
+
+std::vector<Lanes> ObjectiveIndices(const ComplianceBlock& c, const ObjectiveContext& context) {
+  std::vector<Expression::Step> all;
+  for (int code = 0; code < kIndexCount; ++code) all.push_back({code, 0});
+  std::array<Lanes, kIndexCount> indices;
+  FillIndices(all, c, context, indices);
+  return {indices.begin(), indices.end()};
+}
+
 ObjectiveEntry ExpressionEntry(const std::string& text) {
   return {
       text, {}, [text](const ObjectiveParameters&) { return std::make_unique<ExpressionObjective>(text); }};

@@ -40,6 +40,11 @@ class Expression {
   std::vector<Step> steps_;  // in reverse Polish order
 };
 
+/// The indices that an expression may name, as Names() has them first, and their values for a block, in that
+/// order: mm/N, 1 or mm as their names say; not finite where they are not defined.
+std::vector<std::string> ObjectiveIndexNames();
+std::vector<Lanes> ObjectiveIndices(const ComplianceBlock& c, const ObjectiveContext& context);
+
 /// The entry under which an expression is made: its name is the expression, it has no parameters.
 ObjectiveEntry ExpressionEntry(const std::string& text);
 

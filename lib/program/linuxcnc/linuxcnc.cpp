@@ -361,7 +361,7 @@ std::string LinuxCncPost::WhyNotIn(const PostSettings& settings) const {
         "TOOL_CHANGE_QUILL_UP "
         "out of the ini file, or a text tool_change that calls a program which the cell declares as moving",
         Name(), options_.m6_moves ? "is true" : "is missing");
-  if (!HasM6(settings) && options_.m6_moves)
+  if (!HasM6(settings) && options_.m6_moves && !settings.tool_held)
     return fmt::format("controllers.{}.m6_moves: has no effect here: no program has M6", Name());
   if (options_.cartesian || std::ranges::none_of(settings.controller_axes, &ControllerAxis::coupled))
     return "";

@@ -49,7 +49,8 @@ class SinumerikPost : public Post {
   std::vector<std::string> Assumptions(const PostSettings& settings) const override;
   std::vector<std::pair<std::string, std::string>> BeforeFirstRun(
       const PostSettings& settings) const override;
-  double UsualCycle() const override { return 0.004; }  // 840D sl as it is often set up (MD10071)
+  std::string HeldTool() const override { return "D1"; }  // its edge holds from here on, whatever ran before
+  double UsualCycle() const override { return 0.004; }    // 840D sl as it is often set up (MD10071)
   CallingSyntax Calling() const override;
   ProgramFiles Write(const MotionProgram& program, const Arm& arm,
                      const PostSettings& settings) const override;

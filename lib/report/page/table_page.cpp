@@ -6,8 +6,9 @@
 namespace millpose {
 namespace {
 
-constexpr const char* kBeforeTitle = R"html(<!DOCTYPE html>
-<html lang="en">
+constexpr const char* kBeforeLanguage = "<!DOCTYPE html>\n<html lang=\"";
+
+constexpr const char* kBeforeTitle = R"html(">
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
@@ -34,8 +35,9 @@ a { color: var(--accent); }
 
 }  // namespace
 
-std::string TablePageHead(std::string_view title, std::string_view style) {
-  std::string head = kBeforeTitle + Escaped(title) + kStyle;
+std::string TablePageHead(std::string_view title, std::string_view style, Language language) {
+  std::string head =
+      kBeforeLanguage + WordOf(kLanguageWords, language) + kBeforeTitle + Escaped(title) + kStyle;
   head += style;
   return head + "</style>\n</head>\n<body>\n";
 }

@@ -99,6 +99,7 @@
       }
       context.textAlign = "center";
       context.textBaseline = "top";
+      [xLabel, yLabel] = [m.say(xLabel), m.say(yLabel)];
       const free = this.right - (xLabel ? context.measureText(xLabel).width + 22 : -30);
       for (const value of xs) {
         const x = Math.round(this.x(value)) + 0.5;

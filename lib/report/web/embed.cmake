@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# cmake -DOUTPUT=… -DWEB=<this folder> -DTHREE=three.min.js -DSCRIPTS=a.js,b.js -DCHECK_SCRIPTS=a.js,c.js -P embed.cmake
-# Writes the front ends of report.html and check.html as C++ raw strings.
+# cmake -DOUTPUT=… -DWEB=<this folder> -DTHREE=three.min.js -DSCRIPTS=a.js,b.js -DCHECK_SCRIPTS=a.js,c.js -DPAGE_WORDS=a.txt -DSHEET_WORDS=b.txt -P embed.cmake
+# Writes the front ends of report.html and check.html, and the tables of words, as C++ raw strings.
 function(embed name)
   set(text "")
   foreach(file ${ARGN})
@@ -23,6 +23,10 @@ embed(kWebThree ${THREE})
 string(REPLACE "," ";" SCRIPTS "${SCRIPTS}")
 list(TRANSFORM SCRIPTS PREPEND ${WEB}/)
 embed(kWebScripts ${SCRIPTS})
+string(REPLACE "," ";" PAGE_WORDS "${PAGE_WORDS}")
+embed(kWordsOfPage ${PAGE_WORDS})
+string(REPLACE "," ";" SHEET_WORDS "${SHEET_WORDS}")
+embed(kWordsOfSheet ${SHEET_WORDS})
 string(REPLACE "," ";" CHECK_SCRIPTS "${CHECK_SCRIPTS}")
 list(TRANSFORM CHECK_SCRIPTS PREPEND ${WEB}/)
 embed(kWebCheckScripts ${CHECK_SCRIPTS})

@@ -115,6 +115,10 @@
       if (scene) scene.recolour();
     };
     window.addEventListener("resize", redraw);
+    m.whenToldAnew(() => {
+      recolour();
+      redraw();
+    });
     m.whenRecoloured(() => {
       recolour();
       redraw();

@@ -19,7 +19,7 @@
       this.map = map;
       this.axes = new m.Axes(this.canvas, map.length, [map.rotationOf(-0.5), map.rotationOf(map.steps - 0.5)]);
       if (map.columns.length === 0) {
-        context.fillText("No point of this pass was sampled.", this.axes.left, this.axes.top + 12);
+        context.fillText(m.say("No point of this pass was sampled."), this.axes.left, this.axes.top + 12);
         return;
       }
       this.drawAxes(context);
@@ -61,7 +61,7 @@
       context.translate(11, (a.top + a.bottom) / 2);
       context.rotate(-Math.PI / 2);
       context.textAlign = "center";
-      context.fillText("° rotation about the tool axis", 0, 0);
+      context.fillText(m.say("° rotation about the tool axis"), 0, 0);
       context.restore();
     }
 
@@ -107,7 +107,7 @@
       for (let c = 0; c < count; ++c) for (let j = 0; j < n; ++j) zones[c * n + j] = map.cells[c][map.cellIndex(j)].zone;
       const taken = [];
       for (const large of m.largeZones(zones, count, n, 0.003 * count * n).slice(0, 16)) {
-        const words = m.zoneName(this.data, large.zone), width = 1.12 * context.measureText(words).width + 10;
+        const words = m.say(m.zoneName(this.data, large.zone)), width = 1.12 * context.measureText(words).width + 10;
         const high = (large.height / n) * (a.bottom - a.top);
         if (high < 12 || (large.width / count) * (a.right - a.left) < 0.4 * width) continue;
         const x = Math.max(a.left + width / 2, Math.min(a.right - width / 2, a.x(map.columns[large.column].way)));

@@ -3,6 +3,9 @@
 (function (m) {
   "use strict";
 
+  // A text in the language of the page; language.js has more than English.
+  m.say = (english) => english;
+
   // About four significant digits, without an exponent where that stays short.
   m.format = function (value, digits = 4) {
     if (value === null || value === undefined || Number.isNaN(value)) return "–";

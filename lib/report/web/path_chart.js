@@ -117,7 +117,7 @@
           context.fillStyle = m.theme.hint;
           context.textAlign = "center";
           context.textBaseline = "top";
-          context.fillText(to - from > 60 ? `pass ${band.pass}` : band.pass, (from + to) / 2, this.axes.top + 1);
+          context.fillText(to - from > 60 ? m.say(`pass ${band.pass}`) : band.pass, (from + to) / 2, this.axes.top + 1);
         }
       });
     }

@@ -55,6 +55,7 @@
     }
     // The first chart shows what the 3-D view is coloured by.
     show(column) {
+      if (!this.chosen) return;  // no point is planned
       this.chosen.title.textContent = `${column.symbol}: ${column.label}`;
       this.chosen.unit = column.unit;
       this.chosen.series = [{ symbol: column.symbol, values: column.values, number: 0, bound: column.bound }];

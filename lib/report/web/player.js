@@ -6,7 +6,7 @@
 
   const $ = (id) => document.getElementById(id);
   const NO_ROW = 0xffffffff;
-  const STRETCHES = ["cutting", "lead", "approach", "retract", "gap", "gap that could not be planned", "external axes move"];
+  const STRETCHES = ["cutting", "lead-in or -out", "approach", "retract", "gap", "gap that could not be planned", "external axes move"];
   m.STRETCH = { CUT: 0, LEAD: 1, APPROACH: 2, RETRACT: 3, GAP: 4, MISSING: 5, EXTERNAL: 6 };
 
   m.clock = function (seconds) {

@@ -130,7 +130,7 @@
       context.textBaseline = "top";
       const right = x > axes.right - 190;
       context.textAlign = right ? "right" : "left";
-      const text = `chosen ${m.format(value)} at ${m.format(rotation)}°, S${this.data.rows.branch[this.row]}`;
+      const text = m.say(`chosen ${m.format(value)} at ${m.format(rotation)}°, S${this.data.rows.branch[this.row]}`);
       context.strokeStyle = m.theme.card;
       context.lineWidth = 4;
       context.lineJoin = "round";

@@ -160,7 +160,7 @@
     fit(withArm) {
       const { rows, count } = this.data;
       const box = new THREE.Box3().setFromBufferAttribute(new THREE.BufferAttribute(rows.position, 3));
-      const row = this.selected === undefined ? 0 : this.selected, joints = m.jointsOf(this.data, row);
+      const row = this.selected === undefined ? 0 : this.selected, joints = this.data.arm ? m.jointsOf(this.data, row) : null;
       const arm = joints ? m.armFrames(this.data, joints, m.baseAt(this.data, row)).map((frame) => new THREE.Vector3(frame[3], frame[7], frame[11])) : [];
       if (withArm) for (const place of arm) box.expandByPoint(place);
       const n = [0, 1, 2].map((k) => {

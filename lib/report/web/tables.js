@@ -16,8 +16,8 @@
     document.getElementById("facts").append(
       fact(c.planned.toLocaleString("en"), `of ${c.total.toLocaleString("en")} points planned`, c.planned < c.total),
       fact(c.skipped.toLocaleString("en"), "skipped", c.skipped > 0),
-      fact(String(data.passes.length), "passes"),
-      fact(`${gaps.planned}/${gaps.total}`, "gaps planned", gaps.planned < gaps.total));
+      fact(String(data.passes.length), m.element("span", m.tipOf("pass"), "passes")),
+      fact(`${gaps.planned}/${gaps.total}`, m.element("span", m.tipOf("gap"), "gaps planned"), gaps.planned < gaps.total));
     for (const time of data.times) {
       const [total, ...parts] = time.text.split(" ");
       const node = fact(total, time.controller);
@@ -66,7 +66,7 @@
       const value = (key) => m.withUnit(data.column[key].values[row], data.column[key].unit, data.column[key].bound);
       const line = (name, ...text) => m.element("tr", {}, m.element("th", {}, name), ...text.map((t) => cell(t, true)));
       const simple = (key) => {
-        const node = line(data.column[key].symbol, value(key));
+        const node = line(m.element("span", m.tipOf(key), data.column[key].symbol), value(key));
         node.title = data.column[key].label;
         return node;
       };
@@ -77,7 +77,7 @@
       this.figures.replaceChildren(
         table("Stiffness", [], ...["objective", "lambda_t1", "lambda_t2", "lambda_n", "normal_compliance", "mu", "dexterity", "price", "deflection", "deflection_normal", "before", "after", "worst_before", "worst_after", "shift", "arm_shift"].filter((key) => data.column[key]).map(simple)),
         table("Place and pose", [], line("x, W", `${p[0].toFixed(2)} mm`), line("y, W", `${p[1].toFixed(2)} mm`), line("z, W", `${p[2].toFixed(2)} mm`),
-          simple("rotation"), line("branch", reason ? "–" : "S" + rows.branch[row]), simple("clearance"), ...this.nearest(row), simple("limit_reserve"), simple("speed_share")),
+          simple("rotation"), line(m.element("span", m.tipOf("branch"), "branch"), reason ? "–" : "S" + rows.branch[row]), simple("clearance"), ...this.nearest(row), simple("limit_reserve"), simple("speed_share")),
         table("Joints", [m.element("tr", {}, m.element("th"), ...["angle", "limits", "speed"].map((t) => m.element("th", { class: "number" }, t)))], ...joints, ...external));
     }
   };
@@ -150,7 +150,7 @@
     const force = d.mean_force_N.map((f) => m.format(f)).join(", ");
     const face = d.face
       ? `Over the finished face, along the normal: level ${m.format(d.face.level_um)} µm (mean, an offset of depth; positive away from the part), ` +
-        `variation ${m.format(d.face.variation_um)} µm (largest less smallest distance from its own best plane, eq. 37), ` +
+        `variation ${m.format(d.face.variation_um)} µm (largest less smallest distance from its own best plane, equation 37), ` +
         `largest step to a neighbouring pass ${m.format(d.face.largest_step_um)} µm.`
       : "Fewer than three planned cut points: no figures of a face.";
     section.querySelector("p").textContent = `Heaviest mean force on the tool (feed, across, axis): ${force} N. ${face} What it is: ${d.model}.`;

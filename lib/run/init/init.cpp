@@ -197,7 +197,7 @@ class Init {
   double UnitOfPart() const {
     if (arguments_.unit) return *arguments_.unit;
     const std::string bytes = ReadFile(part_);
-    if (!LooksLikeStep(bytes)) return 1;
+    if (!LooksLikeCad(bytes)) return 1;
     return ReadMesh(bytes, part_.string(), {}).stated_unit.value_or(1);
   }
 

@@ -162,7 +162,7 @@ MeshCheck CheckMesh(const CheckMeshArguments& arguments, Progress& progress, std
   step.percent = [&](int percent) { progress.Percent(percent); };
   step.stop = std::move(stop);
   const std::string bytes = arguments.root.Read(arguments.mesh);
-  const bool is_step = LooksLikeStep(bytes);
+  const bool is_step = LooksLikeCad(bytes);
   if (is_step) progress.Begin(SurfaceStage(bytes, step.seconds, step.memory_MB), 0);
   RawMesh raw = ReadMesh(bytes, name, step);
   const double unit = arguments.unit.value_or(raw.stated_unit.value_or(1));

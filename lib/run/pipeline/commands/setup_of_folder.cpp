@@ -68,6 +68,7 @@ SheetSection SummaryOf(const std::vector<Operation>& operations) {
   SheetSection section{.title = "Summary"};
   section.table.columns = {"operation",          "tool",           "milled", "cycle, h:min:s",
                            "least distance, mm", "face off by, µm"};
+  section.table.names = 2;
   for (const Operation& one : operations) {
     const JsonTree& points = one.summary.at("points");
     std::vector<std::string> times;
@@ -103,6 +104,7 @@ SheetSection Sources(const std::vector<Operation>& operations) {
   section.note =
       "Along its normal, source by source, each at its largest; what is not stated is not in the sum.";
   section.table.columns = {"operation", "source", "µm", "what the figure is of"};
+  section.table.names = 1;
   for (const Operation& one : operations)
     for (const JsonTree& row : one.summary.at("budget").at("rows"))
       section.table.rows.push_back(
@@ -150,6 +152,7 @@ SheetSection ToolsOf(const std::vector<Operation>& operations) {
   SheetSection section{.title = "Tools"};
   section.table.columns = {"tool",           "number",       "cutter, mm", "tip in the flange, mm",
                            "spindle, 1/min", "feed, mm/min", "load, kg",   "tip known to, mm"};
+  section.table.names = 1;
   std::set<std::string> told;
   for (const Operation& one : operations) {
     const ToolSettings& tool = one.inputs.cell.tool;
@@ -173,6 +176,7 @@ SheetSection ToolsOf(const std::vector<Operation>& operations) {
 SheetSection AxisPositions(const std::vector<Operation>& operations) {
   SheetSection section{.title = "External axes"};
   section.table.columns = {"operation", "passes", "stand at"};
+  section.table.names = 1;
   for (const Operation& one : operations) {
     if (one.plan.external_axes.empty()) continue;
     // Neighbouring passes at one station share a row.
@@ -195,6 +199,7 @@ SheetSection Holding(const Cell& cell) {
   section.note =
       "Bodies that the plan keeps clear of; where the middle of each stands, as seen from the robot's base.";
   section.table.columns = {"body", "kind", "X, Y, Z, mm", "size, mm"};
+  section.table.names = 1;
   const Pose X_BW = cell.X_WB.inverse();
   for (const Body& body : cell.bodies) {
     if (body.mount == Mount::kLink || body.mount == Mount::kTool || body.body_class == BodyClass::kWorkpiece)
@@ -270,10 +275,12 @@ PicturePath PathOf(const Operation& one, Vector3d& normals, Vector3d& axes) {
   return path;
 }
 
-SheetSection SetupOf(const std::vector<Operation>& operations, const Cell& cell, const Mesh& part) {
+SheetSection SetupOf(const std::vector<Operation>& operations, const Cell& cell, const Mesh& part,
+                     Language language) {
   const PlanResult& plan = operations.front().plan;
   const Pose X_PW = plan.X_WP.inverse();
   SetupPicture picture;
+  picture.language = language;
   picture.up = X_PW.linear() * Vector3d::UnitZ();
   picture.arm = X_PW * plan.X_WB.translation();
   if (part.face_count() > 0) picture.solids.push_back({part.triangles(), true});
@@ -333,7 +340,7 @@ std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop)
                     first.plan.input_hash.substr(0, 16));
     for (SheetSection section :
          {SummaryOf(operations), Sentences(operations, "findings", "Findings"), Sources(operations),
-          SetupOf(operations, cell, part.import.mesh), Datum(first), ToolsOf(operations),
+          SetupOf(operations, cell, part.import.mesh, arguments.language), Datum(first), ToolsOf(operations),
           AxisPositions(operations), Holding(cell), ProgramsOf(operations, main)}) {
       section.new_page = section.title == "Setup";
       if (!section.table.rows.empty() || !section.list.empty() || !section.picture.empty())
@@ -346,7 +353,7 @@ std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop)
   } catch (const JsonTree::exception&) {
     throw InputError({(arguments.plan / "summary.json").string()}, "is no summary that millpose plan wrote");
   }
-  return SetupSheetHtml(sheet);
+  return SetupSheetHtml(sheet, arguments.language);
 }
 
 }  // namespace millpose

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/file_root.hpp"
+#include "report/words/words.hpp"
 
 namespace millpose {
 
@@ -15,6 +16,7 @@ struct SetupArguments {
   std::filesystem::path plan;                ///< output folder of `millpose plan`
   std::optional<std::filesystem::path> job;  ///< of it, where it does not stand beside the folder
   FileRoot root{};
+  Language language = Language::kEnglish;  ///< of the sheet
 };
 
 /// HTML (SetupSheetHtml). Throws InputError for what cannot be read; Interrupted.

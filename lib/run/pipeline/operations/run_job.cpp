@@ -20,10 +20,10 @@ namespace {
 bool IsWritten(const WholeProgram& program) { return program.withheld.empty() && program.findings.empty(); }
 
 void AddResults(const std::string& name, const std::vector<DoneOperation>& operations,
-                const std::vector<WholeProgram>& programs, ResultSet& results) {
+                const std::vector<WholeProgram>& programs, Language language, ResultSet& results) {
   results.Add("points.csv", WholePoints(operations));
   results.Add("summary.json", WholeSummary(name, operations, programs));
-  results.Add("report.html", WholeReport(name, operations, programs));
+  results.Add("report.html", WholeReport(name, operations, programs, language));
   for (const WholeProgram& program : programs) {
     if (!IsWritten(program)) continue;
     for (const auto& [file, text] : program.files)
@@ -95,7 +95,7 @@ PlanOutcome PlanWhole(const PlanArguments& arguments, const std::string& name,
   if (!std::ranges::all_of(programs, IsWritten)) outcome.exit_status = 1;
   results.Add("job.yaml",
               WithOverrides(inputs.front().job_text, arguments.job.string(), OverridesOf(arguments)));
-  AddResults(name, operations, programs, results);
+  AddResults(name, operations, programs, arguments.language, results);
   stages.End(
       fmt::format("{} of {} controllers", std::ranges::count_if(programs, IsWritten), programs.size()));
   RunFigures run = EndRun(begun, stages, Execution{arguments.threads, stages, stop}.Threads());

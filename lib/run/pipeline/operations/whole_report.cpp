@@ -209,12 +209,16 @@ std::string WholePoints(const std::vector<DoneOperation>& all) {
 }
 
 std::string WholeReport(const std::string& job, const std::vector<DoneOperation>& all,
-                        const std::vector<WholeProgram>& programs) {
+                        const std::vector<WholeProgram>& programs, Language language) {
   const std::vector<ToldOperation> operations = Told(all);
-  std::string html = TablePageHead(job + " — millpose", kWholeStyle) + "<h1>" + Escaped(job) +
-                     "</h1>\n<div class=\"scroll\"><table>\n<thead><tr>"
-                     "<th>operation</th><th>tool</th><th class=\"n\">points</th><th class=\"n\">planned</th>"
-                     "<th>objective</th><th class=\"n\">worst</th><th class=\"n\">least distance, mm</th>";
+  const auto say = [&](const char* english) { return Escaped(Say(language, english)); };
+  std::string html = TablePageHead(job + " — millpose", kWholeStyle, language) + "<h1>" + Escaped(job) +
+                     "</h1>\n<div class=\"scroll\"><table>\n<thead><tr>";
+  for (const char* text : {"operation", "tool"}) html += "<th>" + say(text) + "</th>";
+  for (const char* figure : {"points", "planned"}) html += "<th class=\"n\">" + say(figure) + "</th>";
+  html += "<th>" + say("objective") + "</th>";
+  for (const char* figure : {"worst", "least distance, mm"})
+    html += "<th class=\"n\">" + say(figure) + "</th>";
   for (const WholeProgram& program : programs)
     html += "<th class=\"n\">" + program.controller + ", h:min:s</th>";
   html += "</tr></thead>\n<tbody>\n";
@@ -238,20 +242,21 @@ std::string WholeReport(const std::string& job, const std::vector<DoneOperation>
     for (const WholeProgram& program : programs)
       html += done.programs.contains(program.controller)
                   ? fmt::format("<td class=\"n\">{}</td>", ClockText(CycleOf({done}, program.controller)))
-                  : "<td class=\"n bad\">withheld</td>";
+                  : "<td class=\"n bad\">" + say("withheld") + "</td>";
     html += "</tr>\n";
   }
   html += "</tbody>\n</table></div>\n";
   if (const std::vector<std::string> findings = Findings(operations, programs); !findings.empty()) {
     html += "<ul>\n";
-    for (const std::string& finding : findings) html += "<li class=\"bad\">" + Escaped(finding) + "</li>\n";
+    for (const std::string& finding : findings)
+      html += "<li class=\"bad\">" + say(finding.c_str()) + "</li>\n";
     html += "</ul>\n";
   }
-  html += "<div role=\"tablist\" aria-label=\"operations\">\n";
+  html += "<div role=\"tablist\" aria-label=\"" + say("operations") + "\">\n";
   for (const ToldOperation& done : operations)
     html += fmt::format("<button role=\"tab\" data-report=\"{}/report.html\">{}</button>\n",
                         Escaped(done.folder), Escaped(done.name));
-  return html + "</div>\n<iframe title=\"operation\"></iframe>\n" + kTail;
+  return html + "</div>\n<iframe title=\"" + say("operation") + "\"></iframe>\n" + kTail;
 }
 
 std::string WholeText(const std::vector<DoneOperation>& all, const std::vector<WholeProgram>& programs,

@@ -2,6 +2,7 @@
 // What the output folder of a job with several operations says of all of them.
 #pragma once
 
+#include "report/words/words.hpp"
 #include "run/pipeline/operations/whole_program.hpp"
 
 namespace millpose {
@@ -16,7 +17,7 @@ std::string WholePoints(const std::vector<DoneOperation>& operations);
 /// report.html: a table of the operations, and the report of each behind a tab. Loads the operations'
 /// reports.
 std::string WholeReport(const std::string& job, const std::vector<DoneOperation>& operations,
-                        const std::vector<WholeProgram>& programs);
+                        const std::vector<WholeProgram>& programs, Language language);
 
 /// The screenful that `plan` prints.
 std::string WholeText(const std::vector<DoneOperation>& operations, const std::vector<WholeProgram>& programs,

@@ -114,11 +114,27 @@ Planned WritePlanned(const PlanArguments& arguments, const JobInputs& inputs, co
   const ReportParts parts = MakeReportParts(inputs, job, arguments.full_axis_map, checkpoints, execution);
   const Timeline timeline = PlanTimeline(job.plan, inputs);
   ResultSet& results = to.results();
-  const ReportInputs report =
-      WriteResults({inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
-                    job.prepared.warnings, findings, CurveGrid(), parts, timeline, job.fixed, job.faces,
-                    job.prepared.heaviest, job.compensation_remains, job.stock, std::move(face), execution},
-                   results);
+  const ReportInputs report = WriteResults({inputs,
+                                            job.prepared.cell,
+                                            job.plan,
+                                            job.programs,
+                                            job.starts,
+                                            audit,
+                                            job.reduction,
+                                            job.prepared.warnings,
+                                            findings,
+                                            CurveGrid(),
+                                            parts,
+                                            timeline,
+                                            job.fixed,
+                                            job.faces,
+                                            job.prepared.heaviest,
+                                            job.compensation_remains,
+                                            job.stock,
+                                            std::move(face),
+                                            arguments.language,
+                                            execution},
+                                           results);
   stages.End(to.folder.path().string());
   RunFigures run = EndRun(begun, stages, execution.Threads());
   run.resumed_passes = job.resumed_passes;

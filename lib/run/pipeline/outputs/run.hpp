@@ -9,6 +9,7 @@
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
 #include "job/config/config.hpp"
+#include "report/words/words.hpp"
 #include "run/pipeline/stages/plan_job.hpp"
 #include "store/output_folder.hpp"
 
@@ -27,6 +28,7 @@ struct PlanArguments {
   double max_points = 2e6;                   ///< that the tool path may have
   bool verbose = false;                      ///< the outcome's text has all figures
   bool fresh = false;                        ///< ignore checkpoints
+  Language language = Language::kEnglish;    ///< in which report.html opens
   std::optional<double> trajectory;          ///< s between the rows of trajectory-<controller>.csv
   FileRoot root;                             ///< that all files must lie in; with it also a folder by default
   std::optional<size_t> operation;           ///< which one, of a job with several

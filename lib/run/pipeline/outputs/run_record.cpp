@@ -16,6 +16,8 @@ std::string AskedFor(const PlanArguments& arguments) {
   if (arguments.face) asked += " face";
   if (arguments.full_axis_map) asked += " axis-map full";
   if (arguments.trajectory) asked += " trajectory " + ShortestNumber(*arguments.trajectory);
+  if (arguments.language != Language::kEnglish)
+    asked += " lang " + WordOf(kLanguageWords, arguments.language);
   return asked;
 }
 

@@ -188,6 +188,8 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
                                            FinishedFrom(results.inputs.job, plan.passes.size()),
                                            {0.01 * results.inputs.job.force_uncertainty_percent,
                                             DegToRad(results.inputs.job.force_direction_deg)});
+  if (report.deflection && results.inputs.job.cutting)
+    report.deflection->source = results.inputs.job.cutting->kc11_source;
   report.compensation = FiguresOfCompensation(plan);
   if (report.compensation) report.compensation->remains = results.compensation_remains;
   for (const CheckedProgram& program : programs)
@@ -250,12 +252,12 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
   if (report.face) set.Add("face.csv", FaceCsv(report.face->rays, report.face->plan.expected.heights));
   set.Add("summary.json", SummaryJson(plan, report));
-  set.Add(
-      "report.html",
-      ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
-                  report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
-                  report.times, &*report.fixed, &results.parts.map, &results.timeline, &results.parts.nearest,
-                  &*report.lost_motion, &*report.budget, report.face ? &*report.face : nullptr}));
+  set.Add("report.html",
+          ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
+                      report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
+                      report.times, &*report.fixed, &results.parts.map, &results.timeline,
+                      &results.parts.nearest, &*report.lost_motion, &*report.budget,
+                      report.face ? &*report.face : nullptr, results.language}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);

@@ -32,6 +32,7 @@ struct Results {
   std::optional<double> compensation_remains;
   std::optional<StockFigures> stock = std::nullopt;  ///< where the job has a raw part
   std::optional<FaceReport> face;                    ///< where it was asked for
+  Language language = Language::kEnglish;            ///< in which report.html opens
   const Execution& execution;
 };
 

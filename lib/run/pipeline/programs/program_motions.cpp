@@ -36,6 +36,9 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
   if (!job.operation.empty())
     options.header.insert(options.header.begin(),
                           {"operation", fmt::format("{} of {}", job.operation, job.operation_of)});
+  if (settings.tool_held)
+    options.header.emplace_back(kToolHeldKey,
+                                "the operation before leaves it in the spindle; compared, not changed");
   for (const std::string& warning : CellWarnings(inputs.cell))
     options.header.emplace_back("unchecked", warning);
   if (window) options.header.emplace_back("base_window", BaseWindowText(*window));

@@ -79,6 +79,16 @@ std::string ToolIn(const std::string& text, const CellSettings& cell) {
   return named.size() == 1 ? *named.begin() : std::string();
 }
 
+/// Whether a program says in its header that its tool is in the spindle already.
+bool SaysHeld(const std::string& text) {
+  for (const std::string_view line : SplitLines(text)) {
+    const size_t sign = line.find_first_of(";!#(");
+    if (sign == std::string_view::npos) continue;
+    if (Trim(line.substr(sign + 1)).starts_with(std::string(kToolHeldKey) + ':')) return true;
+  }
+  return false;
+}
+
 /// The file that a main program calls by `name`, beside it.
 fs::path CalledFile(const fs::path& main, const CallingSyntax& syntax, const std::string& name) {
   const fs::path file = main.parent_path() / (name + syntax.called_ending);
@@ -110,6 +120,7 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, const
     JobInputs own = inputs;
     const bool tells = arguments.tool.empty() && !calls.empty();
     SelectTool(tells ? ToolIn(arguments.root.Read(file), own.cell) : arguments.tool, &own.cell);
+    own.job.tool_held = SaysHeld(arguments.root.Read(file));
     programs.push_back(VerifyOne(file, own, controller, arguments, execution));
   }
   return programs;
