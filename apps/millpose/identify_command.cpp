@@ -9,14 +9,15 @@
 #include "base/loose_file.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
+#include "identify_compliances.hpp"
 #include "identify_geometry.hpp"
 #include "identify_lost_motion.hpp"
 #include "job/assemble.hpp"
 #include "job/config/measurements.hpp"
 #include "job/inputs.hpp"
-#include "machine/identification/compliance_models.hpp"
 #include "machine/identification/identify.hpp"
 #include "machine/identification/plausibility.hpp"
+#include "machine/robot/make_pose.hpp"
 
 namespace millpose {
 namespace {
@@ -60,13 +61,15 @@ Task Load(const IdentifyWords& options) {
   task.cell_file = options.cell.empty() ? path.parent_path() / task.settings.cell_file
                                         : std::filesystem::path(options.cell);
   std::map<std::string, std::string> meshes;
-  task.arm_settings = LoadCell(task.cell_file, &meshes).arm;
+  const CellSettings cell = LoadCell(task.cell_file, &meshes);
+  task.arm_settings = cell.arm;
   const ArmSettings& settings = task.arm_settings;
   task.arm = MakeArm(settings);
   task.uncertainty = settings.stiffness_uncertainty.isZero(0.0)
                          ? Joints(Joints::Constant(kStiffnessUncertainty))
                          : Joints(settings.stiffness_uncertainty);
   task.options = {task.settings.displacement_deviation, task.settings.rotation_deviation, options.robust};
+  task.options.down = -MakePose(cell.base_in_world).linear().row(2).transpose();
   return task;
 }
 
@@ -82,76 +85,6 @@ std::vector<LoadCase> MakeCases(const MeasurementsSettings& settings,
                      .displacement = one.displacement,
                      .rotation = one.rotation});
   return cases;
-}
-
-/// "joint springs, tilting of links 3, 1"
-std::string NameOf(const ComplianceModel& model) {
-  std::string name = "joint springs";
-  if (!model.tilting.empty())
-    name += fmt::format(", tilting of link{} {}", model.tilting.size() > 1 ? "s" : "",
-                        fmt::join(model.tilting, ", "));
-  if (model.base) name += ", a base that moves";
-  return name;
-}
-
-/// "link 3 about x", "base along z"
-std::string NameOf(const Give& give) {
-  constexpr const char* kAxes[] = {"x", "y", "z"};
-  return fmt::format("{} {} {}", give.link == 0 ? std::string("base") : fmt::format("link {}", give.link),
-                     give.translates ? "along" : "about", kAxes[give.axis]);
-}
-
-/// rad/(N·m), or mm/N.
-double Shown(const Give& give, double compliance) { return give.translates ? compliance : compliance * 1e3; }
-
-Json ModelsJson(const ComplianceModels& models) {
-  Json list = Json::array();
-  for (const ComplianceModel& model : models.tried)
-    list.push_back({{"tilting_links", model.tilting},
-                    {"base", model.base},
-                    {"unknowns", model.unknowns},
-                    {"left_out_rms_mm", std::sqrt(model.mean_square)},
-                    {"left_out_mean_square_mm2", model.mean_square},
-                    {"standard_error_mm2", model.deviation}});
-  return {{"tried", list}, {"least", models.least}, {"chosen", models.chosen}};
-}
-
-Json BesideJson(const Identification& found) {
-  Json list = Json::array();
-  for (const GiveEstimate& one : found.beside)
-    list.push_back({{"what", NameOf(one.give)},
-                    {"unit", one.give.translates ? "mm/N" : "rad/(N*m)"},
-                    {"determined", one.determined},
-                    {"reason", one.determined ? Json() : Json(one.reason)},
-                    {"compliance", one.determined ? Json(Shown(one.give, one.compliance)) : Json()},
-                    {"lower_95", Shown(one.give, one.lower)},
-                    {"upper_95", Shown(one.give, one.upper)}});
-  return list;
-}
-
-void PrintModels(const ComplianceModels& models, const Identification& found) {
-  for (const GiveEstimate& one : found.beside) {
-    const char* unit = one.give.translates ? "mm/N" : "rad/(N·m)";
-    if (one.determined)
-      fmt::print("{:<14} gives {:>10.3g} {:>12.3g} .. {:<10.3g} {}\n", NameOf(one.give),
-                 Shown(one.give, one.compliance), Shown(one.give, one.lower), Shown(one.give, one.upper),
-                 unit);
-    else
-      fmt::print("{:<14} no number: {}; below {:.3g} {}\n", NameOf(one.give), one.reason,
-                 Shown(one.give, one.upper), unit);
-  }
-  if (models.tried.size() == 1) return;
-  fmt::print(
-      "\nmodel: {}, the simplest that foretells poses left out as well as any (within one standard "
-      "error)\n",
-      NameOf(models.tried[models.chosen]));
-  fmt::print("unknowns   left out, mm RMS   model\n");
-  for (size_t i = 0; i < models.tried.size(); ++i)
-    fmt::print("{:<8} {:>18.4f}   {}{}\n", models.tried[i].unknowns, std::sqrt(models.tried[i].mean_square),
-               NameOf(models.tried[i]),
-               i == models.chosen  ? "  <- chosen"
-               : i == models.least ? "  (least)"
-                                   : "");
 }
 
 Json ToJson(const Identification& found, const ComplianceModels& models, const Plausibility& judged,
@@ -180,6 +113,7 @@ Json ToJson(const Identification& found, const ComplianceModels& models, const P
   return {{"schema_version", 1},
           {"joints", joints},
           {"compliances", BesideJson(found)},
+          {"payload", PayloadJson(found)},
           {"models", ModelsJson(models)},
           {"condition", found.condition},
           {"residual_level", solved ? Json(found.level) : Json()},
@@ -250,24 +184,6 @@ void CheckCellFile(const IdentifyWords& options, const Task& task) {
                                                        task.cell_file.string()));
 }
 
-/// As a cell has them, by link.
-std::vector<ComplianceSettings> CompliancesOf(const Identification& found) {
-  std::vector<ComplianceSettings> all;
-  for (const GiveEstimate& one : found.beside) {
-    if (!one.determined) continue;
-    auto same = std::ranges::find(all, one.give.link, &ComplianceSettings::link);
-    if (same == all.end()) {
-      ComplianceSettings& added = all.emplace_back();
-      added.name =
-          one.give.link == 0 ? std::string("base") : fmt::format("tilting of link {}", one.give.link);
-      added.link = one.give.link;
-      same = all.end() - 1;
-    }
-    (one.give.translates ? same->translational : same->rotational)[one.give.axis] = one.compliance;
-  }
-  return all;
-}
-
 void WriteCellFile(const IdentifyWords& options, const Task& task, const Identification& found) {
   IdentifiedStiffness written;
   written.stiffness = task.arm.stiffness;
@@ -290,6 +206,8 @@ void WriteCellFile(const IdentifyWords& options, const Task& task, const Identif
   });
   const std::string note = kept.empty() ? "" : "; not determined and kept:" + kept;
   std::fputs(fmt::format("millpose: {} updated{}\n", options.write_cell, note).c_str(), stderr);
+  if (const std::string beyond = NotWritten(found); !beyond.empty())
+    std::fputs(fmt::format("millpose: {}\n", beyond).c_str(), stderr);
 }
 
 int Propose(const IdentifyWords& options, const Task& task) {
@@ -351,7 +269,8 @@ int Identify(const IdentifyWords& options) {
   else
     models = TryModels(task.arm, cases, task.options);
   IdentifyOptions with = task.options;
-  with.beside = models.tried[models.chosen].Gives();
+  with.beside = models.tried[models.chosen].gives;
+  with.payload = models.tried[models.chosen].payload();
   const Identification found = IdentifyJointStiffness(task.arm, cases, with);
   const Plausibility judged = JudgeIdentification(task.arm, cases, with, found);
   if (options.json)
@@ -387,8 +306,8 @@ void AddIdentifyCommand(CLI::App& app, Run& run) {
       ->expected(3);
   command->add_flag("--robust", options.robust, "Huber's weights against blunders");
   command->add_flag("--springs", options.springs,
-                    "Springs in the joints alone; else links that tilt and a base that moves, where they "
-                    "foretell poses left out better");
+                    "Springs in the joints alone; else links that tilt, a base that moves, lost motion and a "
+                    "payload, where they foretell poses left out better");
   command
       ->add_option(
           "--propose", options.propose,

@@ -115,7 +115,13 @@ class CuttingReader {
   void CheckStock() {
     if (job_.stock == Standing::kMesh) {
       if (!job_.workpiece.HasStock()) Add("process.stock: given mesh; the job needs workpiece.stock");
-    } else if (!job_.toolpath.strategy->File().empty() || mesh_.face_count() == 0) {
+    } else if (job_.toolpath.strategy->NeedsStock()) {
+      Add(fmt::format(
+          "process.stock: given region; strategy {} cuts what stands of workpiece.stock; allowed: "
+          "mesh",
+          job_.toolpath.strategy->Name()));
+    } else if ((!job_.toolpath.strategy->File().empty() && !job_.toolpath.strategy->NeedsPart()) ||
+               mesh_.face_count() == 0) {
       Add("process.cutting: what material a CAM path finds is not known; give process.stock: mesh with "
           "workpiece.stock, or process.cutting.side and width_mm");
     }

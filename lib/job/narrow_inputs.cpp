@@ -2,6 +2,7 @@
 #include "job/narrow_inputs.hpp"
 
 #include "store/cached_pass.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
@@ -33,7 +34,8 @@ JobInputs InputsOfToolpath(const JobInputs& inputs) {
   narrow.workpiece_bytes = inputs.workpiece_bytes;
   narrow.stock_bytes = inputs.stock_bytes;
   narrow.path_bytes = inputs.path_bytes;
-  if (inputs.job.stock == Standing::kMesh) narrow.cut_before = inputs.cut_before;
+  if (inputs.job.stock == Standing::kMesh || job.toolpath.strategy->NeedsStock())
+    narrow.cut_before = inputs.cut_before;
   narrow.max_points = inputs.max_points;
   narrow.hash = HashOf(narrow);
   return narrow;

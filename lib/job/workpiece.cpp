@@ -8,8 +8,10 @@
 #include "geometry/import/step_reader.hpp"
 #include "job/assemble.hpp"
 #include "job/bent_part.hpp"
+#include "job/raw_stock.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "toolpath/make_toolpath.hpp"
+#include "toolpath/stock/standing_stock.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {
@@ -102,7 +104,28 @@ void CompareSpeeds(const JobSettings& job, const std::string& file, JobToolpath&
 
 }  // namespace
 
-JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop, int parts) {
+namespace {
+
+/// What stands of the raw part when the job begins. Throws InputError for a part that was registered as bent.
+StandingColumns StockOf(const JobInputs& inputs, int threads, const std::stop_token& stop) {
+  if (BendingOf(inputs.job))
+    throw InputError({}, fmt::format("toolpath.strategy: given {}; the part was registered as bent, and its "
+                                     "stock is known as it is bent only; allowed: other strategies, or a "
+                                     "registration without bending",
+                                     inputs.job.toolpath.strategy->Name()));
+  StandingStock stock(RawStock(inputs), inputs.job.workpiece.stock_resolution);
+  for (const CutsOfTool& cuts : inputs.cut_before) stock.Remove(cuts.cutter, cuts.motions, threads, stop);
+  StandingColumns columns{stock.spacing()};
+  stock.ForEachSpan([&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    columns.columns.push_back({from, to});
+  });
+  return columns;
+}
+
+}  // namespace
+
+JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop, int parts,
+                            int threads) {
   ToolpathOptions options = MakeToolpathOptions(inputs.job, inputs.cell.tool);
   options.parts = parts;
   options.budget = MakeBudget(inputs, mesh);
@@ -110,7 +133,10 @@ JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop
   // Regions, planes and files are stated of the unbent part.
   const PartBending* bending = BendingOf(inputs.job);
   const Mesh unbent = bending && mesh.face_count() > 0 ? ImportPart(inputs).mesh : mesh;
-  LaidPath laid = options.strategy->Make({unbent, options, inputs.path_bytes}, std::move(stop));
+  StandingColumns stock;
+  if (options.strategy->NeedsStock()) stock = StockOf(inputs, threads, stop);
+  LaidPath laid =
+      options.strategy->Make({unbent, options, inputs.path_bytes, &stock, threads}, std::move(stop));
   if (bending) CarryToBent(*bending, laid.toolpath);
   JobToolpath made;
   made.toolpath = std::move(laid.toolpath);

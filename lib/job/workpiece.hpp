@@ -51,7 +51,8 @@ struct JobToolpath {
 /// Makes the job's tool path on the mesh, or imports it; of a bent part on the unbent one, and carries it to
 /// the bent. Throws InputError when it holds no point;
 /// Interrupted.
-JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop, int parts = 1);
+JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop, int parts = 1,
+                            int threads = 1);
 
 /// Checks the cutter against the whole part and does what the job asks for where it would go into it. Throws
 /// Interrupted.

@@ -5,12 +5,13 @@ namespace millpose {
 
 /// Defined in the strategies' own files.
 StrategyEntry ParallelPlanesEntry(), RingsEntry(), PadEntry(), ContoursEntry(), CurveEntry(), CamEntry(),
-    DrillEntry(), TrimStrategyEntry();
+    DrillEntry(), TrimStrategyEntry(), RoughStrategyEntry();
 
 Registry<StrategyEntry>& Strategies() {
-  static Registry<StrategyEntry> strategies{"strategy",
-                                            {ParallelPlanesEntry(), RingsEntry(), PadEntry(), ContoursEntry(),
-                                             CurveEntry(), CamEntry(), DrillEntry(), TrimStrategyEntry()}};
+  static Registry<StrategyEntry> strategies{
+      "strategy",
+      {ParallelPlanesEntry(), RingsEntry(), PadEntry(), ContoursEntry(), CurveEntry(), CamEntry(),
+       DrillEntry(), TrimStrategyEntry(), RoughStrategyEntry()}};
   return strategies;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <stop_token>
@@ -42,11 +43,19 @@ struct Layout {
 /// Throws InputError for what is no unit vector; `what`: "the rings' axis".
 void RequireUnit(const Eigen::Vector3d& direction, std::string_view what);
 
+/// Material as columns about parallel lines (toolpath/stock).
+struct StandingColumns {
+  double spacing = 0;                                     ///< of the lines, mm: how wide a column is
+  std::vector<std::array<Eigen::Vector3d, 2>> columns{};  ///< from where to where, mm
+};
+
 /// What a strategy makes passes from.
 struct StrategyInputs {
   const Mesh& mesh;  ///< without a face where the job names no part
   const ToolpathOptions& options;
-  std::string_view file;  ///< bytes of File()
+  std::string_view file;                   ///< bytes of File()
+  const StandingColumns* stock = nullptr;  ///< what stands before the first pass, where NeedsStock(); in P
+  int threads = 1;                         ///< that Make() may use; they change nothing of what it makes
 };
 
 struct LaidPath {
@@ -70,6 +79,9 @@ class Strategy {
   virtual std::string File() const { return {}; }
   /// Whether the job must name a part.
   virtual bool NeedsPart() const { return File().empty(); }
+  /// Whether the passes follow from the material that stands: the job must give workpiece.stock, and what is
+  /// known of the cut comes from there (process.stock: mesh).
+  virtual bool NeedsStock() const { return false; }
   /// The user states the line itself: no step-over, and passes run the way they are given.
   virtual bool IsPrescribed() const { return false; }
   /// Whether the force of milling a surface (process.cutting) says something of it.
@@ -89,7 +101,7 @@ class Strategy {
 /// A way to cover a region of the part with curves.
 class SurfaceStrategy : public Strategy {
  public:
-  LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const final;
+  LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const override;
   /// Throws InputError for a region that the strategy cannot cover; Interrupted.
   virtual Layout Lay(const Region& region, const ToolpathOptions& options, std::stop_token stop) const = 0;
   /// What is kept from rims and from faces that are out, mm.

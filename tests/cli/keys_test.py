@@ -350,6 +350,13 @@ class Keys(InFolder):
             job["toolpath"]["region"] = pad
             yield job, cell
 
+        job, cell = self.base()
+        self.strategy(job, "rough", {"allowance_mm": 0.5, "per_layer_mm": 4, "max_engagement_deg": 80, "milling": "climb", "ramp_deg": 2, "thicker_than_mm": 0.5,
+                                     "bottom_mm": 0.5})
+        job["toolpath"]["tool_axis"] = {"rule": "fixed", "direction": [0, 0, 1]}
+        job["workpiece"]["stock"] = {"box": {"lower_mm": [-40, -40, -40], "upper_mm": [40, 40, 3]}, "resolution_mm": 1}
+        yield job, cell
+
         corners = ((-40, -40), (40, -40), (40, 40), (-40, 40))
         (self.folder / "sheet.off").write_text(
             "OFF\n4 2 0\n" + "".join(f"{x} {y} 0\n" for x, y in corners) + "3 0 1 2\n3 0 2 3\n")
@@ -384,6 +391,10 @@ class Keys(InFolder):
         toolpath.update({"strategy": name, name: keys})
         if name in ("curve", "cam"):
             for key in ("stepover_mm", "stepover_on", "scallop_mm", "order", "direction", "region"):
+                toolpath.pop(key, None)
+        if name == "rough":
+            for key in ("region", "stepover_mm", "stepover_on", "scallop_mm", "direction", "order", "crease_deg", "normal_smoothing_mm", "depth",
+                        "ends", "lead_deg", "tilt_deg"):
                 toolpath.pop(key, None)
         if name in ("drill", "trim"):
             if name == "trim":

@@ -7,7 +7,7 @@ import unittest
 
 from cli_fixture import TOP, InFolder, run
 
-SMALL = ("irb6640_pad", "irb6640_rail", "irb6640_turn", "r2000ic_contours", "support_cam", "support_curve", "ur10e_pad")
+SMALL = ("irb6640_pad", "irb6640_rail", "irb6640_turn", "r2000ic_contours", "support_cam", "support_curve", "support_rough", "ur10e_pad")
 
 # Origins (m) and axes of the joints from base to flange, all angles 0, as the sheets' drawings have them.
 SHEETS = {

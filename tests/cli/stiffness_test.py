@@ -368,7 +368,7 @@ class Geometry(Answers):
             m = cls.times(m, r)
         return m
 
-    def reading(self, degrees, deviations, reflector):
+    def reading(self, degrees, deviations, reflector, tracker=None):
         d1, a1, a2, d4, dz, d6 = self.LENGTHS
         q = [math.radians(s * d) for s, d in zip(self.SIGNS, degrees)]
         own = [self.pose(shift, enumerate(turn)) for shift, turn in deviations]
@@ -378,8 +378,7 @@ class Geometry(Answers):
                                       self.pose((0, 0, 0), [(1, q[4])]),
                                       self.times(self.pose((0, 0, 0), [(0, q[5])]), self.pose((d6, 0, 0), [(1, math.pi / 2)]))), 1):
             X = self.times(self.times(X, step), own[frame])
-        tracker = self.pose((3000, -800, 400), [(2, 1.9), (0, 0.2)])
-        X = self.times(tracker, X)
+        X = self.times(tracker or self.pose((3000, -800, 400), [(2, 1.9), (0, 0.2)]), X)
         return [sum(X[i][k] * reflector[k] for k in range(3)) + X[i][3] for i in range(3)]
 
     def readings(self, path, poses, seed, noise, deviations):
@@ -474,6 +473,88 @@ class Geometry(Answers):
                                 (f"{head},x_mm,y_mm,z_mm\n" + "0,1,2,3,4,5,1,2,3\n" * 3, "readings; needed: more than 3")):
                 write(path, text)
                 self.assert_refused(words, "identify", path, "--geometry", "--cell", cell)
+
+
+class Compliances(Answers):
+    """Readings under load of arms whose links tilt, by differences of the kinematics above."""
+    POINT = (-120, 90, 260)
+    STIFFNESS = (8.9e9, 6.8e9, 1.1e10, 2e9, 1.6e9, 1.3e9)  # N*mm/rad
+    UNMOVED = [([0, 0, 0], [0, 0, 0])] * 7
+
+    def place(self, degrees, frame=0, turn=(0, 0, 0)):
+        deviations = list(self.UNMOVED)
+        deviations[frame] = ([0, 0, 0], list(turn))
+        return Geometry.reading(Geometry, degrees, deviations, self.POINT, Geometry.pose((0, 0, 0)))
+
+    def ways(self, degrees):
+        """mm/rad: of the six joints, of link 3's tilting about x and z."""
+        def difference(low, high, step):
+            return [(b - a) / (2 * step) for a, b in zip(low, high)]
+        ways = []
+        for joint in range(6):
+            low, high = (self.place([d + side * 1e-3 * (i == joint) for i, d in enumerate(degrees)]) for side in (-1, 1))
+            ways.append(difference(low, high, math.radians(1e-3)))
+        for axis in (0, 2):
+            low, high = (self.place(degrees, 3, [side * 1e-5 * (i == axis) for i in range(3)]) for side in (-1, 1))
+            ways.append(difference(low, high, 1e-5))
+        return ways
+
+    def readings(self, path, tilt, payload=0.0, seed=1):
+        draw = random.Random(seed)
+        lines = ["a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,fx_N,fy_N,fz_N,dx_mm,dy_mm,dz_mm"]
+        for _ in range(40):
+            degrees = [draw.uniform(*limits) for limits in ((-60, 60), (-110, -30), (40, 120), (-150, 150), (20, 100), (-150, 150))]
+            force = [draw.gauss(0, 400) for _ in range(3)]
+            acting = [force[0], force[1], force[2] - payload]
+            moved = [draw.gauss(0, 0.005) for _ in range(3)]
+            for way, compliance in zip(self.ways(degrees), [1 / k for k in self.STIFFNESS] + list(tilt)):
+                torque = sum(w * f for w, f in zip(way, acting))
+                moved = [m + compliance * torque * w for m, w in zip(moved, way)]
+            lines.append(",".join(f"{v:.9f}" for v in degrees + force + moved))
+        write(path, "\n".join(lines) + "\n")
+
+    def identify(self, folder, *words, **drawn):
+        path, cell = os.path.join(folder, "m.csv"), os.path.join(folder, "cell.yaml")
+        shutil.copy(Geometry.CELL, cell)
+        self.readings(path, **drawn)
+        point = ["--load-point-mm", *self.POINT, "--measured-point-mm", *self.POINT]
+        return run("identify", path, "--cell", cell, *point, *words), cell
+
+    def test_a_link_that_tilts_is_found_and_written(self):
+        with tempfile.TemporaryDirectory() as folder:
+            cell = os.path.join(folder, "cell.yaml")
+            result, _ = self.identify(folder, "--json", "--write-cell", cell, tilt=(8e-10, 5e-10))
+            self.assertEqual(result.returncode, 0, result.stderr)
+            found = json.loads(result.stdout)
+            models = found["models"]
+            chosen = models["tried"][models["chosen"]]
+            self.assertEqual(chosen["beside_springs"], ["tilting of link 3"])
+            self.assertLess(chosen["left_out_rms_mm"], 0.5 * models["tried"][0]["left_out_rms_mm"])
+            self.assertEqual([one["unknowns"] for one in models["tried"]], sorted(one["unknowns"] for one in models["tried"]))
+            for joint, truth in zip(found["joints"][:3], self.STIFFNESS):  # the wrist's give is as small as the noise
+                self.assertAlmostEqual(joint["stiffness_Nm_per_rad"] * 1e3 / truth, 1, delta=0.03)
+            # About x link 3 does nearly as A4, so only their sum is known well.
+            for one, axis, truth, share in zip(found["compliances"], "xz", (8e-7, 5e-7), (0.3, 0.03)):
+                self.assertEqual(one["what"], f"link 3 about {axis}")
+                self.assertAlmostEqual(one["compliance"] / truth, 1, delta=share)
+                self.assertLess(one["lower_95"], one["compliance"])
+            self.assertIsNone(found["payload"])
+            after = read(cell)
+            self.assertRegex(after, r'name: "?identified tilting of link 3, 95 %: x [0-9.]+e-07 to [0-9.]+e-07, z [0-9.]+e-07 to')
+            self.assertIn("rotational_rad_Nm", after)
+            self.assertEqual(run("check", cell).returncode, run("check", Geometry.CELL).returncode)
+            springs, _ = self.identify(folder, "--springs", "--json", tilt=(8e-10, 5e-10))
+            self.assertEqual(json.loads(springs.stdout)["compliances"], [])
+
+    def test_a_payload_is_found_and_not_written(self):
+        with tempfile.TemporaryDirectory() as folder:
+            cell = os.path.join(folder, "cell.yaml")
+            result, _ = self.identify(folder, "--write-cell", cell, tilt=(0, 0), payload=150.0)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertRegex(result.stdout, r"payload +weighs +1[45]\d ")
+            self.assertIn("+ a payload  <- chosen", result.stdout)
+            self.assertIn("not written: the payload", result.stderr)
+            self.assertNotIn("compliances", read(cell))
 
 
 class Flatness(unittest.TestCase):

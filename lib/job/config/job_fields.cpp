@@ -20,6 +20,10 @@ void CheckPart(const Value& value, const Context& context, JobSettings& job) {
         .Add(
             workpiece->mark,
             "missing; only strategy cam, drill with a list of holes and trim along a line go without a part");
+  if (workpiece && job.toolpath.strategy->NeedsStock() && !job.workpiece.HasStock())
+    context.Child("workpiece")
+        .Child("stock")
+        .Add(workpiece->mark, fmt::format("missing; required by strategy {}", job.toolpath.strategy->Name()));
 }
 
 // Keys of the process that nothing would follow.

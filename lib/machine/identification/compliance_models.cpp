@@ -3,85 +3,119 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
-#include "machine/identification/identify_system.hpp"
+#include "machine/identification/leave_one_out.hpp"
 
 namespace millpose {
 namespace {
 
-using Eigen::VectorXd;
+/// What a step adds to a model.
+struct Offer {
+  ComplianceStep step;
+  std::vector<Give> gives;
+};
 
 class Models {
  public:
   Models(const Arm& arm, const std::vector<LoadCase>& cases, const IdentifyOptions& options)
-      : arm_(arm), cases_(cases), options_(options), pose_of_case_(identify::PosesOf(cases)) {}
+      : options_(options), pose_of_case_(identify::PosesOf(cases)) {
+    for (int link = 1; link <= 6; ++link)
+      offers_.push_back({{ComplianceStep::Kind::kTilting, link}, TiltingOf(link)});
+    Offer base{{ComplianceStep::Kind::kBase}, {}}, lost{{ComplianceStep::Kind::kLostMotion}, {}};
+    for (int axis = 0; axis < 3; ++axis) base.gives.push_back({0, axis, Give::Kind::kMoves});
+    for (int joint = 1; joint <= 6; ++joint) lost.gives.push_back(TakingUpOf(joint));
+    IdentifyOptions all = options;
+    all.beside = lost.gives;
+    const std::vector<std::string> reasons = identify::Observability(identify::MakeSystem(arm, cases, all).L);
+    // Where no joint has a gap that is told, the step stands as a whole, to be refused by name.
+    if (std::any_of(reasons.begin() + 6, reasons.end(), [](const std::string& r) { return r.empty(); }))
+      std::erase_if(lost.gives,
+                    [&](const Give& give) { return !reasons[5 + static_cast<size_t>(give.link)].empty(); });
+    offers_.push_back(base);
+    offers_.push_back(lost);
+    offers_.push_back({{ComplianceStep::Kind::kPayload}, {}});
+    all.beside.clear();
+    for (const Offer& offer : offers_) std::ranges::copy(offer.gives, std::back_inserter(all.beside));
+    all_ = all.beside;
+    stated_ = identify::MakeSystem(arm, cases, all);
+    weight_ = identify::MakeWeightSystem(arm, cases, all);
+  }
 
   size_t poses() const { return pose_of_case_.back() + 1; }
+  const std::vector<Offer>& offers() const { return offers_; }
 
-  /// Sets the model's errors; false where some of it cannot be told.
-  bool Judge(ComplianceModel& model) const {
-    IdentifyOptions options = options_;
-    options.beside = model.Gives();
-    model.unknowns = 6 + options.beside.size();
-    const identify::System system = identify::MakeSystem(arm_, cases_, options);
-    const std::vector<std::string> reasons = identify::Observability(system.L);
-    for (size_t k = 6; k < reasons.size(); ++k)
-      if (!reasons[k].empty()) return false;
+  /// Sets the model's errors; says why where some of it cannot be told.
+  std::optional<UntoldStep> Judge(ComplianceModel& model) const {
+    std::vector<Eigen::Index> columns(6);
+    std::iota(columns.begin(), columns.end(), 0);
+    for (const Give& give : model.gives)
+      columns.push_back(6 + (std::ranges::find(all_, give) - all_.begin()));
+    const identify::System stated = identify::Columns(stated_, columns);
+    const identify::System weight = identify::Columns(weight_, columns);
+    model.unknowns = columns.size() + (model.payload() ? 1 : 0);
+    const ComplianceStep step = model.steps.empty() ? ComplianceStep{} : model.steps.back();
+    const UntoldStep few{step, std::nullopt, "not determined: too few measured numbers"};
+    if (static_cast<size_t>(stated.x.size()) <= model.unknowns) return few;
+    const identify::Fitted fit =
+        identify::FitSystem(stated, model.payload() ? &weight : nullptr, options_.robust);
+    for (size_t k = 6; k < fit.reasons.size(); ++k)
+      if (!fit.reasons[k].empty())
+        return UntoldStep{step, k < columns.size() ? std::optional(model.gives[k - 6]) : std::nullopt,
+                          fit.reasons[k]};
+    if (fit.freedom() < 1) return few;
+    return Foretell(fit, model) ? std::nullopt
+                                : std::optional(UntoldStep{
+                                      step, std::nullopt, "not determined: one pose alone tells part of it"});
+  }
+
+ private:
+  bool Foretell(const identify::Fitted& fit, ComplianceModel& model) const {
+    const identify::LeaveOneOut others(fit, pose_of_case_);
+    const double unit = options_.displacement_deviation * options_.displacement_deviation;
     std::vector<double> squares;
     for (size_t pose = 0; pose < poses(); ++pose) {
-      const std::optional<double> square = Foretold(system, reasons, pose);
+      const std::optional<double> square = others.Foretold(pose, 6);
       if (!square) return false;
-      squares.push_back(*square);
+      squares.push_back(unit * *square);
     }
     const auto count = static_cast<double>(squares.size());
     for (const double square : squares) model.mean_square += square / count;
     double spread = 0;
     for (const double square : squares) spread += (square - model.mean_square) * (square - model.mean_square);
     model.deviation = std::sqrt(spread / (count - 1) / count);
-    return true;
+    return model.judged = true;
   }
 
- private:
-  /// mm², mean over the displacements of a pose of what the others do not foretell.
-  std::optional<double> Foretold(const identify::System& system, const std::vector<std::string>& reasons,
-                                 size_t pose) const {
-    const identify::System rest = identify::Without(system, pose_of_case_, pose);
-    if (rest.L.rows() <= rest.L.cols()) return std::nullopt;
-    const std::vector<std::string> still = identify::Observability(rest.L);
-    std::vector<char> free;
-    for (size_t j = 0; j < still.size(); ++j) {
-      if (j >= 6 && !still[j].empty()) return std::nullopt;
-      free.push_back(reasons[j].empty() && still[j].empty());
-    }
-    VectorXd weights;
-    const VectorXd c = identify::Solve(rest, free, options_.robust, weights).c;
-    double square = 0, count = 0;
-    for (Eigen::Index row = 0; row < system.x.size(); row += cases_[CaseOf(system, row)].rotation ? 6 : 3) {
-      if (pose_of_case_[CaseOf(system, row)] != pose) continue;
-      const VectorXd off = system.L.middleRows(row, 3) * c - system.x.segment(row, 3);
-      square += off.squaredNorm() * options_.displacement_deviation * options_.displacement_deviation;
-      ++count;
-    }
-    return square / count;
-  }
-
-  static size_t CaseOf(const identify::System& system, Eigen::Index row) {
-    return system.case_of_row[static_cast<size_t>(row)];
-  }
-
-  const Arm& arm_;
-  const std::vector<LoadCase>& cases_;
   const IdentifyOptions& options_;
   const std::vector<size_t> pose_of_case_;
+  std::vector<Offer> offers_;
+  std::vector<Give> all_;  ///< of the columns after the sixth
+  identify::System stated_, weight_;
 };
+
+/// The model with that step more which leaves the least error; steps that cannot be told go to `untold`.
+std::optional<ComplianceModel> Next(const Models& judge, const ComplianceModel& last,
+                                    std::vector<UntoldStep>& untold) {
+  std::optional<ComplianceModel> best;
+  untold.clear();
+  for (const Offer& offer : judge.offers()) {
+    if (std::ranges::find(last.steps, offer.step) != last.steps.end()) continue;
+    ComplianceModel next{last.steps, last.gives};
+    next.steps.push_back(offer.step);
+    std::ranges::copy(offer.gives, std::back_inserter(next.gives));
+    if (const std::optional<UntoldStep> why = judge.Judge(next))
+      untold.push_back(*why);
+    else if (!best || next.mean_square < best->mean_square)
+      best = next;
+  }
+  return best;
+}
 
 }  // namespace
 
-std::vector<Give> ComplianceModel::Gives() const {
-  std::vector<Give> gives;
-  for (const int link : tilting) std::ranges::copy(TiltingOf(link), std::back_inserter(gives));
-  for (int axis = 0; base && axis < 3; ++axis) gives.push_back({0, axis, true});
-  return gives;
+bool ComplianceModel::payload() const {
+  return std::ranges::find(steps, ComplianceStep::Kind::kPayload, &ComplianceStep::kind) != steps.end();
 }
 
 ComplianceModels TryModels(const Arm& arm, const std::vector<LoadCase>& cases,
@@ -91,24 +125,9 @@ ComplianceModels TryModels(const Arm& arm, const std::vector<LoadCase>& cases,
   ComplianceModel springs;
   if (judge.poses() >= 2) judge.Judge(springs);
   models.tried.push_back(springs);
-  if (judge.poses() < kLeastPosesForModels) return models;
-  for (;;) {
-    std::optional<ComplianceModel> best;
-    for (int link = 1; link <= 6; ++link) {
-      const std::vector<int>& taken = models.tried.back().tilting;
-      if (std::ranges::find(taken, link) != taken.end()) continue;
-      ComplianceModel next;
-      next.tilting = taken;
-      next.tilting.push_back(link);
-      if (judge.Judge(next) && (!best || next.mean_square < best->mean_square)) best = next;
-    }
-    if (!best) break;
-    models.tried.push_back(*best);
-  }
-  ComplianceModel whole;
-  whole.tilting = models.tried.back().tilting;
-  whole.base = true;
-  if (judge.Judge(whole)) models.tried.push_back(whole);
+  if (judge.poses() < kLeastPosesForModels || !springs.judged) return models;
+  while (const std::optional<ComplianceModel> next = Next(judge, models.tried.back(), models.untold))
+    models.tried.push_back(*next);
   for (size_t i = 1; i < models.tried.size(); ++i)
     if (models.tried[i].mean_square < models.tried[models.least].mean_square) models.least = i;
   const ComplianceModel& least = models.tried[models.least];

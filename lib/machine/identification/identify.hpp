@@ -22,18 +22,23 @@ struct LoadCase {
   std::optional<Eigen::Vector3d> rotation;                   ///< rotation vector, rad
 };
 
-/// What gives way beside a joint about its own axis: a link that tilts about, or a base that moves along, an
-/// axis of a link's frame (LinkFrames), which turns with it.
+/// What gives way beside a joint's spring: a link that tilts about, or a base that moves along, an axis of a
+/// link's frame (LinkFrames), which turns with it; or a joint that goes the same small way to the side to
+/// which it is loaded, however small the load: it takes up its gap.
 struct Give {
-  int link = 0;             ///< 0 base, 1..6
-  int axis = 0;             ///< 0 x, 1 y, 2 z
-  bool translates = false;  ///< else it turns
+  enum class Kind { kTilts, kMoves, kTakesUp };
+
+  int link = 0;  ///< 0 base, 1..6
+  int axis = 0;  ///< 0 x, 1 y, 2 z; of a joint its own
+  Kind kind = Kind::kTilts;
 
   bool operator==(const Give&) const = default;
 };
 
 /// The two axes across its joint's own about which link 1..6 can tilt.
 std::vector<Give> TiltingOf(int link);
+/// What joint 1..6 takes up.
+Give TakingUpOf(int joint);
 
 struct IdentifyOptions {
   double displacement_deviation =
@@ -42,6 +47,8 @@ struct IdentifyOptions {
   double rotation_deviation = 1e-5;  ///< of a rotation's component, rad
   bool robust = false;               ///< Huber's weights, k = 1.345, by iterated least squares
   std::vector<Give> beside = {};     ///< what gives way beside the joints
+  bool payload = false;              ///< a weight that nobody stated acts with each load, where the load does
+  Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();  ///< to where it acts, unit, in B
 };
 
 /// What the measurements say about one joint.
@@ -61,14 +68,22 @@ struct GiveEstimate {
   Give give;
   bool determined = false;
   std::string reason;           ///< when not: why no number is given
-  double compliance = 0;        ///< rad/(N·mm) or mm/N; 0 where it is not determined
+  double compliance = 0;        ///< rad/(N·mm) or mm/N, of a joint's gap rad; 0 where it is not determined
   double lower = 0, upper = 0;  ///< 95 % interval
+};
+
+/// A weight that acts with each load and that nobody stated, such as that of the hook; N.
+struct PayloadEstimate {
+  bool determined = false;
+  std::string reason;                       ///< when not: why no number is given
+  double weight = 0, lower = 0, upper = 0;  ///< below 0: the loads are stated too large
 };
 
 struct Identification {
   std::array<JointEstimate, 6> joints;
-  std::vector<GiveEstimate> beside;  ///< of IdentifyOptions::beside
-  double condition = 0;              ///< of the weighted L with columns scaled to 1, observable joints only
+  std::vector<GiveEstimate> beside;        ///< of IdentifyOptions::beside
+  std::optional<PayloadEstimate> payload;  ///< of IdentifyOptions::payload
+  double condition = 0;  ///< of the weighted L with columns scaled to 1, observable joints only
   double level = 0;  ///< standard deviation of a weighted residual: 1 where the stated deviations are right
   double rms = 0;    ///< of the displacements' residuals, per case, mm
   std::vector<double> residuals;     ///< length of each case's displacement residual, mm; empty when nothing
@@ -80,7 +95,8 @@ struct Identification {
 /// Weighted least squares for the compliances c_j = 1/k_j ≥ 0 of the six joints, and of what is to give way
 /// beside them, in x = L·c (eq. 10-13), exact in which of them are 0. A joint without a number: one that
 /// carries no load in any case, one whose effect equals a combination of others', or one whose compliance the
-/// data put at 0. With fewer rows than unknowns + 1 none is determined.
+/// data put at 0. With fewer rows than unknowns + 1 none is determined. With a payload L·c is no longer
+/// linear in the unknowns: Gauss-Newton, and what is said of it holds to first order.
 Identification IdentifyJointStiffness(const Arm& arm, const std::vector<LoadCase>& cases,
                                       const IdentifyOptions& options);
 

@@ -241,6 +241,16 @@ bool StandingStock::Meets(size_t level, size_t i, size_t j,
   return false;
 }
 
+void StandingStock::ForEachSpan(const std::function<void(const Vector3d&, const Vector3d&)>& visit) const {
+  for (size_t line = 0; line < first_nodes_.size(); ++line) {
+    const size_t i = line / columns_, j = line % columns_;
+    const Nodes& further = further_[i / kBand];
+    for (const Node* node = &first_nodes_[line]; node;
+         node = node->next < 0 ? nullptr : &further[static_cast<size_t>(node->next)])
+      if (!node->empty()) visit(Place(i, j, node->low), Place(i, j, node->high));
+  }
+}
+
 double StandingStock::Volume() const {
   double length = 0;
   for (const Node& node : first_nodes_)

@@ -31,6 +31,9 @@ class StandingStock {
   /// the spans, boxes without width, and must be true for a box that holds one for which it is.
   bool Meets(const std::function<bool(const Eigen::AlignedBox3d&)>& may) const;
 
+  /// Calls `visit` with both ends of each span of material, line by line.
+  void ForEachSpan(const std::function<void(const Eigen::Vector3d&, const Eigen::Vector3d&)>& visit) const;
+
   /// mm³: the spans' length × spacing².
   double Volume() const;
 

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "geometry/slice/plane_slices.hpp"
+#include "toolpath/strategies/dxf_lines.hpp"
 #include "toolpath/strategy_entry.hpp"
 
 namespace millpose {
@@ -85,24 +86,49 @@ void Append(const CurvePiece& piece, std::vector<Curve>& curves) {
 }
 
 void CheckPoints(const yaml::Value& value, const yaml::Context& context, CurveStrategy& curve) {
-  if (curve.points.size() < 2)
+  if (curve.points.empty() == !curve.dxf) context.Add(value.mark, "needs one of points_mm and dxf");
+  if (!curve.dxf && curve.points.size() == 1)
     context.Add(value.mark, fmt::format("a line needs 2 points or more, given {}", curve.points.size()));
 }
 
+yaml::Codec<CurveDxf> DxfFields() {
+  using S = CurveDxf;
+  using namespace yaml;
+  return Section<S>(
+      {Key<S>("file", MILLPOSE_AT(file), Text(), "DXF as text, relative to the job file.").Required(),
+       Key<S>("unit", MILLPOSE_AT(unit),
+              Maybe(ChoiceOf<double>({{"mm", 1}, {"cm", 10}, {"in", 25.4}, {"m", 1000}})),
+              "Unit of the file, where it states none."),
+       Key<S>("layers", MILLPOSE_AT(layers), ListOf(Text()), "Only lines of these layers; all by default.")});
+}
+
 }  // namespace
+
+LaidPath CurveStrategy::Make(const StrategyInputs& inputs, std::stop_token stop) const {
+  if (!dxf) return SurfaceStrategy::Make(inputs, std::move(stop));
+  DxfLines read =
+      ReadDxfLines(inputs.file, dxf->file, {dxf->unit, dxf->layers, inputs.options.chord_tolerance});
+  CurveStrategy drawn = *this;
+  drawn.lines_ = std::move(read.lines);
+  LaidPath laid = drawn.SurfaceStrategy::Make(inputs, std::move(stop));
+  laid.warnings.insert(laid.warnings.end(), read.notes.begin(), read.notes.end());
+  return laid;
+}
 
 Layout CurveStrategy::Lay(const Region& region, const ToolpathOptions&, std::stop_token stop) const {
   RequireUnit(project_along, "the curve's project_along");
   const Mesh& mesh = region.mesh();
   std::vector<Curve> curves;
   bool backs = false;
-  for (size_t i = 0; i + 1 < points.size(); ++i)
-    for (const Placed& placed :
-         Met(Under(mesh, points[i], points[i + 1], project_along, stop), project_along)) {
-      const bool shown = mesh.FaceNormal(placed.piece.face).dot(project_along) < -1e-9;
-      backs = backs || !shown;
-      if (shown) Append(placed.piece, curves);
-    }
+  const std::vector<std::vector<Eigen::Vector3d>> only{points};
+  for (const std::vector<Eigen::Vector3d>& line : lines_.empty() ? only : lines_)
+    for (size_t i = 0; i + 1 < line.size(); ++i)
+      for (const Placed& placed :
+           Met(Under(mesh, line[i], line[i + 1], project_along, stop), project_along)) {
+        const bool shown = mesh.FaceNormal(placed.piece.face).dot(project_along) < -1e-9;
+        backs = backs || !shown;
+        if (shown) Append(placed.piece, curves);
+      }
   if (curves.empty() && backs)
     throw InputError({},
                      "toolpath: looking along curve.project_along the line only meets the backs of faces; "
@@ -118,12 +144,14 @@ Layout CurveStrategy::Lay(const Region& region, const ToolpathOptions&, std::sto
 StrategyEntry CurveEntry() {
   using S = CurveStrategy;
   using namespace yaml;
-  return EntryOf<S>("curve", "Strategy curve: a single line.",
+  return EntryOf<S>("curve", "Strategy curve: a line, or those of a drawing.",
                     Section<S>({Key<S>("points_mm", MILLPOSE_AT(points), ListOf(yaml::Coordinates()),
-                                       "A polyline, in the workpiece frame.")
-                                    .Required(),
+                                       "A polyline, in the workpiece frame. Or:")
+                                    .WhenSet([](const S& s) { return !s.points.empty(); }),
+                                Key<S>("dxf", MILLPOSE_AT(dxf), Maybe(DxfFields()),
+                                       "lines of a drawing, in the workpiece frame (docs/strategies.md)."),
                                 Key<S>("project_along", MILLPOSE_AT(project_along), yaml::Direction(),
-                                       "The line is projected along it onto the first face met.")
+                                       "Lines are projected along it onto the first face met.")
                                     .Required()},
                                CheckPoints));
 }

@@ -139,6 +139,61 @@ TEST(StockOfAJob, OperationsHandItOn) {
   EXPECT_EQ(summary("02_deep_0")["stock"]["pieces_left_out"], 10);
 }
 
+/// 20 mm over the whole pad, roughed down to these heights, one operation each.
+std::string RoughJobOf(const std::vector<double>& bottoms) {
+  std::string text = fmt::format(R"(millpose_job: 1
+name: rough
+cell: {0}/cells/kr500_r2830.yaml
+workpiece:
+  mesh: {0}/toolpaths/support_pad/support_pad.stl
+  unit: mm
+  frame: robot_base
+  pose: {{xyz_mm: [2076, 0, 1006], abc_deg: [0, -90, 0]}}
+  stock: {{box: {{lower_mm: [-40, -40, -20], upper_mm: [40, 40, 20]}}, resolution_mm: 1}}
+process: {{feed_mm_min: 800, spindle_rpm: 7000}}
+programs: []
+operations:
+)",
+                                 SourceDir());
+  for (const double bottom : bottoms)
+    text += fmt::format(R"(  - name: down_to_{1}
+    toolpath:
+      strategy: rough
+      tool_axis: {{rule: fixed, direction: [0, 0, 1]}}
+      rough: {{allowance_mm: 0.5, per_layer_mm: 10, bottom_mm: {0}}}
+      spacing_mm: 80
+      rotation_reference: [0, 0, 1]
+)",
+                        bottom, std::floor(bottom));
+  return text;
+}
+
+// Roughing begins where the operation before has ended: nothing of the layers above is laid again.
+TEST(StockOfAJob, IsRoughedFromWhereItStands) {
+  const TestFolder home("rough_operations");
+  const auto plan = [&](const std::vector<double>& bottoms) {
+    home.Write("job.yaml", RoughJobOf(bottoms));
+    PlanArguments arguments;
+    arguments.job = home.path() / "job.yaml";
+    arguments.out = home.path() / fmt::format("out{}", bottoms.size());
+    arguments.threads = 2;
+    const auto ran = RunJob(arguments, Silent(), {});
+    EXPECT_EQ(ran.exit_status, 0) << ran.text;
+  };
+  const auto summary = [&](const std::string& folder) {
+    return nlohmann::json::parse(home.Read(folder + "/summary.json"));
+  };
+  plan({10, 0.5});
+  const auto first = summary("out2/operations/01_down_to_10");
+  const auto second = summary("out2/operations/02_down_to_0");
+  EXPECT_NEAR(first["stock"]["removed_cm3"], 80 * 80 * 10 / 1e3, 0.02 * 64);
+  EXPECT_NEAR(second["stock"]["blank_cm3"], 80 * 80 * 30 / 1e3, 0.02 * 192);
+  EXPECT_NEAR(second["stock"]["removed_cm3"], 80 * 80 * 9.5 / 1e3, 0.02 * 61);
+  EXPECT_EQ(first["stock"]["pieces_left_out"], 0);
+  EXPECT_EQ(second["stock"]["pieces_left_out"], 0);
+  EXPECT_NEAR(second["points"]["total"], first["points"]["total"].get<double>(), 3);
+}
+
 TEST(StockOfAJob, IsRefusedByItsKey) {
   const auto refused = [](const std::string& stock) {
     return RefusalOf([&] { SmallInputs({{"workpiece.stock", stock}}); });

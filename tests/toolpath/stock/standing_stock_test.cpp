@@ -231,5 +231,19 @@ TEST(StandingStock, KeepsToItsLines) {
   EXPECT_NEAR(stock.Volume(), 2000.0 * 2000 * 10, 0.03 * 4e7);
 }
 
+TEST(StandingStock, TellsItsSpans) {
+  StandingStock stock(BoxShape({0, 0, 0}, {30, 20, 10}), 0.5);
+  stock.Remove({3, 0, 4}, std::vector<CutterMotion>{Straight({-10, 10, 4}, {40, 10, 4})}, 1);  // a tunnel
+  double length = 0;
+  size_t spans = 0;
+  stock.ForEachSpan([&](const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    EXPECT_EQ(low.head<2>(), high.head<2>());
+    length += high.z() - low.z();
+    ++spans;
+  });
+  EXPECT_NEAR(length * 0.25, stock.Volume(), 1e-6 * stock.Volume());
+  EXPECT_GT(spans, 60 * 40 + 60 * 11);
+}
+
 }  // namespace
 }  // namespace millpose

@@ -46,7 +46,8 @@ Toolpath LayInParts(const PreparedJob& prepared, int parts, const std::vector<ch
                     const Execution& execution) {
   const LayingInputs& laying = prepared.laying;
   const JobInputs& inputs = laying.inputs;
-  JobToolpath made = MakeJobToolpath(inputs, laying.mesh, execution.stop, parts), checked;
+  JobToolpath made = MakeJobToolpath(inputs, laying.mesh, execution.stop, parts, execution.Threads()),
+              checked;
   Toolpath whole = prepared.made.toolpath;
   if (made.toolpath.passes.size() != open.size()) return whole;
   for (size_t i = 0; i < open.size(); ++i)

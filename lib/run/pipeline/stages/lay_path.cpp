@@ -17,7 +17,7 @@ std::string GougesOf(const LaidPathOfJob& laid) { return fmt::format("{} points"
 LaidPathOfJob Lay(const LayingInputs& laying, const Execution& execution) {
   const JobInputs& inputs = laying.inputs;
   LaidPathOfJob laid;
-  laid.made = MakeJobToolpath(inputs, laying.mesh, execution.stop);
+  laid.made = MakeJobToolpath(inputs, laying.mesh, execution.stop, 1, execution.Threads());
   JobToolpath& made = laid.made;
   execution.progress.End(Outcome(made.toolpath));
   execution.progress.Begin("gouges", 0);
