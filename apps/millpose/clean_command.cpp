@@ -26,7 +26,7 @@ double MegabytesBelow(const fs::path& folder, bool stages) {
   for (auto at = fs::recursive_directory_iterator(folder, failed); !failed && at != fs::end(at);
        at.increment(failed))
     if (at->is_regular_file(failed) && !at->is_symlink(failed) &&
-        (!stages || at->path().extension() == ".stage"))
+        (!stages || at->path().extension() == kStageEnding))
       bytes += static_cast<double>(at->file_size(failed));
   return bytes / 1e6;
 }

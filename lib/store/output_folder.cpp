@@ -16,8 +16,6 @@ namespace {
 
 constexpr const char* kMarkText = "This folder is written by millpose; a new plan overwrites it.\n";
 
-constexpr const char* kStageEnding = ".stage";
-
 bool IsMarked(const Folder& folder) { return folder.KindOf(kMark) == Folder::Kind::kFile; }
 
 // What a run that has ended had not finished writing. Of other machines only one who is alone knows; of this
@@ -33,6 +31,12 @@ void RemoveUnfinishedCheckpoints(const Folder& folder, bool alone) {
   RemoveUnfinished(*checkpoints, alone);
   for (const std::string& name : checkpoints->Names())
     if (checkpoints->KindOf(name) == Folder::Kind::kFolder) RemoveUnfinished(checkpoints->Below(name), alone);
+}
+
+void RemoveStagesIn(const Folder& checkpoints) {
+  for (const std::string& name : checkpoints.Names())
+    if (name.ends_with(kStageEnding) && checkpoints.KindOf(name) == Folder::Kind::kFile)
+      checkpoints.RemoveAll(name);
 }
 
 // Whether nothing stands in the folder, or only what a run leaves that was killed while it took it over or
@@ -199,13 +203,9 @@ void OutputFolder::RemoveCheckpoints() const {
 void OutputFolder::RemoveStages() const {
   const std::optional<Folder> checkpoints = folder_->FindBelow(checkpoints_);
   if (!checkpoints) return;
-  for (const std::string& name : checkpoints->Names()) {
-    const bool operation = checkpoints->KindOf(name) == Folder::Kind::kFolder;
-    if (operation)
-      Operation(name).RemoveStages();
-    else if (name.ends_with(kStageEnding))
-      checkpoints->RemoveAll(name);
-  }
+  RemoveStagesIn(*checkpoints);
+  for (const std::string& name : checkpoints->Names())
+    if (checkpoints->KindOf(name) == Folder::Kind::kFolder) RemoveStagesIn(checkpoints->Below(name));
 }
 
 void OutputFolder::KeepOperations(const std::vector<std::string>& names) const {

@@ -144,16 +144,17 @@ Layout CurveStrategy::Lay(const Region& region, const ToolpathOptions&, std::sto
 StrategyEntry CurveEntry() {
   using S = CurveStrategy;
   using namespace yaml;
-  return EntryOf<S>("curve", "Strategy curve: a line, or those of a drawing.",
-                    Section<S>({Key<S>("points_mm", MILLPOSE_AT(points), ListOf(yaml::Coordinates()),
-                                       "A polyline, in the workpiece frame. Or:")
-                                    .WhenSet([](const S& s) { return !s.points.empty(); }),
-                                Key<S>("dxf", MILLPOSE_AT(dxf), Maybe(DxfFields()),
-                                       "lines of a drawing, in the workpiece frame (docs/strategies.md)."),
-                                Key<S>("project_along", MILLPOSE_AT(project_along), yaml::Direction(),
-                                       "Lines are projected along it onto the first face met.")
-                                    .Required()},
-                               CheckPoints));
+  return EntryOf<S>(
+      "curve", "Strategy curve: a line, or those of a drawing.",
+      Section<S>({Key<S>("points_mm", MILLPOSE_AT(points), ListOf(yaml::Coordinates()),
+                         "A polyline, in the workpiece frame; or `dxf`.")
+                      .WhenSet([](const S& s) { return !s.points.empty(); }),
+                  Key<S>("dxf", MILLPOSE_AT(dxf), Maybe(DxfFields()),
+                         "In its place the lines of a drawing, in the workpiece frame (docs/strategies.md)."),
+                  Key<S>("project_along", MILLPOSE_AT(project_along), yaml::Direction(),
+                         "Lines are projected along it onto the first face met.")
+                      .Required()},
+                 CheckPoints));
 }
 
 }  // namespace millpose

@@ -286,6 +286,23 @@ TEST_F(OutputFolderTest, AManifestNamesNothingOutsideItsFolder) {
         InputError);
 }
 
+TEST_F(OutputFolderTest, StagesGoAndPassesStayInOperationsToo) {
+  const OutputFolder folder(base_ / "out", FolderUse::kResults);
+  for (const OutputFolder& one : {folder, folder.Operation("01_face")}) {
+    one.WriteCheckpoint("key", "a pass");
+    one.WriteStage("surface", "key", "a stage");
+  }
+  const fs::path deeper = base_ / "out" / "checkpoints" / "01_face" / "01_face";  // nothing of ours
+  fs::create_directories(deeper);
+  WriteFileAtomically(deeper / "surface.stage", "theirs");
+  folder.RemoveStages();
+  for (const OutputFolder& one : {folder, folder.Operation("01_face")}) {
+    EXPECT_EQ(one.ReadCheckpoint("key"), "a pass");
+    EXPECT_FALSE(one.ReadStage("surface", "key"));
+  }
+  EXPECT_TRUE(fs::exists(deeper / "surface.stage"));
+}
+
 TEST_F(OutputFolderTest, DamagedCheckpointsAndThoseOfOthersAreNotUsed) {
   const OutputFolder folder(base_ / "out", FolderUse::kResults);
   EXPECT_FALSE(folder.ReadCheckpoint("key"));

@@ -61,14 +61,21 @@ VerifiedProgram VerifyOne(const fs::path& file, const JobInputs& inputs, const s
   return verified;
 }
 
+/// What a program says in comments, line by line, whatever begins one.
+std::vector<std::string_view> CommentsOf(const std::string& text) {
+  std::vector<std::string_view> comments;
+  for (const std::string_view line : SplitLines(text))
+    if (const size_t sign = line.find_first_of(";!#"); sign != std::string_view::npos)
+      comments.push_back(Trim(line.substr(sign + 1)));
+  return comments;
+}
+
 /// The cell's tool that a program says in its header that it is for; empty where it names none or several.
 std::string ToolIn(const std::string& text, const CellSettings& cell) {
   std::set<std::string> named;
-  for (const std::string_view line : SplitLines(text)) {
-    // A comment, whatever begins one.
-    const size_t sign = line.find_first_of(";!#");
-    LineScanner scan(sign == std::string_view::npos ? line : line.substr(sign + 1), "", 0);
-    if (sign == std::string_view::npos || !scan.Accept("tool:")) continue;
+  for (const std::string_view comment : CommentsOf(text)) {
+    LineScanner scan(comment, "", 0);
+    if (!scan.Accept("tool:")) continue;
     while (!scan.AtEnd()) {
       const auto word = scan.AcceptName();
       if (!word) scan.Skip();
@@ -81,12 +88,9 @@ std::string ToolIn(const std::string& text, const CellSettings& cell) {
 
 /// Whether a program says in its header that its tool is in the spindle already.
 bool SaysHeld(const std::string& text) {
-  for (const std::string_view line : SplitLines(text)) {
-    const size_t sign = line.find_first_of(";!#(");
-    if (sign == std::string_view::npos) continue;
-    if (Trim(line.substr(sign + 1)).starts_with(std::string(kToolHeldKey) + ':')) return true;
-  }
-  return false;
+  return std::ranges::any_of(CommentsOf(text), [](std::string_view comment) {
+    return comment.starts_with(std::string(kToolHeldKey) + ':');
+  });
 }
 
 /// The file that a main program calls by `name`, beside it.
