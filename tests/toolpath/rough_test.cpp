@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "tests/base/refusal.hpp"
+#include "tests/base/tier.hpp"
 #include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/rough_counter.hpp"
 #include "toolpath/make_toolpath.hpp"
@@ -63,8 +64,9 @@ RoughCase Slot() {
   return slot;
 }
 
+// The first two in the quick tier, where other tests hold the volume of the open block.
 std::vector<RoughCase> RoughCases() {
-  std::vector<RoughCase> cases{Pocket(), Open(), Slot()};
+  std::vector<RoughCase> cases{Pocket(), Slot(), Open()};
   RoughCase bull = Pocket();
   bull.name = "bull-nose, conventional";
   bull.cutter = {6, 1, 30};
@@ -74,6 +76,7 @@ std::vector<RoughCase> RoughCases() {
   wide.engagement = DegToRad(90);
   cases.push_back(bull);
   cases.push_back(wide);
+  cases.resize(static_cast<size_t>(OfTier(2, 5)));
   return cases;
 }
 
