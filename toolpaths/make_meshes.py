@@ -189,13 +189,58 @@ def cabin_barrel():
     return triangles
 
 
+def rounded(half_x, half_y, radius):
+    """A rectangle about the origin with rounded corners, counter-clockwise, 15 degrees from corner to corner of an arc."""
+    result = []
+    for k, (x, y) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
+        for j in range(7):
+            turn = math.radians(90 * k + 15 * j)
+            result.append((x * (half_x - radius) + radius * math.cos(turn), y * (half_y - radius) + radius * math.sin(turn)))
+    return result
+
+
+def at_angles(outline, angles):
+    """Where rays from the origin meet a convex outline round it."""
+    points = []
+    for angle in angles:
+        dx, dy = math.cos(angle), math.sin(angle)
+        for (ax, ay), (bx, by) in zip(outline, outline[1:] + outline[:1]):
+            before, after = (dx * y - dy * x for x, y in ((ax, ay), (bx, by)))
+            if before <= 1e-9 < after:
+                share = before / (before - after)
+                points.append((ax + share * (bx - ax), ay + share * (by - ay)))
+    assert len(points) == len(angles)
+    return points
+
+
+def cabin_pocket():
+    """Panel 180 x 130 x 36 mm with a pocket of 140 x 90 mm in its face, 20 mm deep, corners of 12 mm, and one of 120 x 70 mm in its back, 8 mm deep,
+    corners of 22 mm; P in the middle of the face, z out of it. All outlines have corners at the same angles, so that faces meet corner to corner."""
+    back, floor, back_floor = -36.0, -20.0, -28.0
+    block = [(90.0, 65.0), (-90.0, 65.0), (-90.0, -65.0), (90.0, -65.0)]
+    pocket, relief = rounded(70.0, 45.0, 12.0), rounded(60.0, 35.0, 22.0)
+    angles = sorted(math.atan2(y, x) % (2 * math.pi) for x, y in block + pocket + relief)
+    angles = [angle for k, angle in enumerate(angles) if k == 0 or angle - angles[k - 1] > 1e-7]
+    block, pocket, relief = (at_angles(outline, angles) for outline in (block, pocket, relief))
+    triangles = []
+    for k in range(len(angles)):
+        after = (k + 1) % len(angles)
+        o, p, w, q, r, v = block[k], pocket[k], relief[k], block[after], pocket[after], relief[after]
+        triangles += quad((*o, 0.0), (*q, 0.0), (*r, 0.0), (*p, 0.0)) + quad((*p, 0.0), (*r, 0.0), (*r, floor), (*p, floor))
+        triangles += quad((*o, back), (*q, back), (*q, 0.0), (*o, 0.0)) + quad((*q, back), (*o, back), (*w, back), (*v, back))
+        triangles += quad((*v, back), (*w, back), (*w, back_floor), (*v, back_floor))
+        triangles += [((*p, floor), (*r, floor), (0.0, 0.0, floor)), ((*v, back_floor), (*w, back_floor), (0.0, 0.0, back_floor))]
+    return triangles
+
+
 def main():
     check = sys.argv[1:] == ["--check"]
     if sys.argv[1:] and not check:
         sys.exit("usage: make_meshes.py [--check]")
     differing = []
     for name, triangles in (("support_pad", support_pad()), ("cabin_panel", CabinPanel().build()),
-                            ("cabin_ring", cabin_ring()), ("cabin_barrel", cabin_barrel())):
+                            ("cabin_ring", cabin_ring()), ("cabin_barrel", cabin_barrel()),
+                            ("cabin_pocket", cabin_pocket())):
         path = HERE / name / f"{name}.stl"
         content = stl(name, triangles)
         if check:

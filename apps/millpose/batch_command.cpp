@@ -48,9 +48,11 @@ void AddBatchCommand(CLI::App& app, Run& run) {
   command->add_option("--max-points", arguments->max_points, "Points that the tool path of a job may have")
       ->check(CLI::Range(1.0, 1e9))
       ->capture_default_str();
+  const LanguageOption language = AddLanguageOption(*command);
   const RootOption root = AddRootOption(*command);
-  command->callback([&run, arguments, use_slurm, slurm, root] {
-    run = [arguments, use_slurm, slurm, root](Session& session) {
+  command->callback([&run, arguments, use_slurm, slurm, language, root] {
+    run = [arguments, use_slurm, slurm, language, root](Session& session) {
+      arguments->language = ParseLanguage(*language);
       arguments->root = FileRoot::Of(*root);
       if (*use_slurm) arguments->slurm = *slurm;
       if (!arguments->baseline.empty() && !IsOutputFolder(arguments->baseline))

@@ -20,6 +20,7 @@ struct CheckOptions {
   std::filesystem::path split;
   std::vector<std::string> changes;
   RootOption root;
+  LanguageOption language;
 };
 
 template <class Check>
@@ -51,7 +52,8 @@ void RefuseChanges(const CheckOptions& options) {
 int Check(const CheckOptions& options, Session& session) {
   const std::string extension = options.file.extension().string();
   const FileRoot root = FileRoot::Of(*options.root);
-  const ViewFile view = options.view.empty() ? ViewFile() : ViewFile(options.view);
+  const Language language = ParseLanguage(*options.language);
+  const ViewFile view = options.view.empty() ? ViewFile() : ViewFile({options.view, language});
   if (extension == ".yaml" || extension == ".yml") {
     if (IsCellFile(options.file, root)) {
       RefuseChanges(options);
@@ -112,6 +114,7 @@ void AddCheckCommand(CLI::App& app, Run& run) {
   command->add_option("--max-points", options->max_points, "Points that the tool path of a job may have")
       ->check(CLI::Range(1.0, 1e9))
       ->capture_default_str();
+  options->language = AddLanguageOption(*command);
   options->root = AddRootOption(*command);
   command->callback(
       [&run, options] { run = [options](Session& session) { return Check(*options, session); }; });

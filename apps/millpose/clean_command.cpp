@@ -56,7 +56,7 @@ int Clean(const CleanWords& words) {
 
 void AddCleanCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
-      "clean", "Remove the checkpoints of finished plans; results, programs and what verify needs stay");
+      "clean", "Remove the checkpoints of plans; results, programs and what verify needs stay");
   const auto words = std::make_shared<CleanWords>();
   command->add_option("DIR", words->folders, "Output folders of plan and place")->required();
   command->add_option("--keep", words->keep, "What stays: passes, so that an edit costs its passes alone")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -18,10 +19,12 @@ struct DiffWords {
   std::vector<std::string> fail_on;
   bool json = false;
   std::filesystem::path page;
+  Language language = Language::kEnglish;  // of the page
 };
 
 /// A section, any, or FIGURE:PERCENT.
 struct FailRule {
+  std::string text;  // as it was given
   std::string of;
   std::optional<double> percent;
 
@@ -34,10 +37,11 @@ struct FailRule {
 FailRule ParseRule(const std::string& text) {
   const size_t colon = text.rfind(':');
   if (colon == std::string::npos) {
-    if (text == "any" || std::ranges::find(kDiffSections, text) != kDiffSections.end()) return {text, {}};
+    if (text == "any" || std::ranges::find(kDiffSections, text) != kDiffSections.end())
+      return {text, text, {}};
   } else if (const std::optional<double> percent = ParseNumber(text.substr(colon + 1));
              percent && *percent >= 0) {
-    return {text.substr(0, colon), percent};
+    return {text, text.substr(0, colon), percent};
   }
   throw InputError(
       SourceLocation{},
@@ -45,10 +49,36 @@ FailRule ParseRule(const std::string& text) {
                   fmt::join(kDiffSections, ", ")));
 }
 
+// A rule for a figure that neither plan has would hold for ever.
+void RefuseUnknown(const std::vector<FailRule>& rules, const std::set<std::string>& figures) {
+  for (const FailRule& rule : rules)
+    if (rule.percent && !figures.contains(rule.of))
+      throw InputError(SourceLocation{},
+                       "--fail-on: " + UnknownName("figure", rule.of, {figures.begin(), figures.end()}));
+}
+
+// "fails      --fail-on cycle_times.krl.total_s:2 (23.4 %)", a line for each rule that is broken.
+void TellBroken(const std::vector<FailRule>& rules, const std::vector<Change>& changes) {
+  for (const FailRule& rule : rules) {
+    std::optional<double> largest;
+    size_t count = 0;
+    for (const Change& change : changes) {
+      if (!rule.Holds(change)) continue;
+      ++count;
+      if (change.by) largest = std::max(largest.value_or(0), 100 * std::abs(*change.by));
+    }
+    if (count == 0) continue;
+    const std::string why = rule.percent && largest ? fmt::format("{:.3g} %", *largest)
+                                                    : fmt::format("{} line{}", count, count == 1 ? "" : "s");
+    fmt::print("fails      --fail-on {} ({})\n", rule.text, why);
+  }
+}
+
 int Differ(const DiffWords& words) {
   std::vector<FailRule> rules;
   for (const std::string& text : words.fail_on) rules.push_back(ParseRule(text));
-  const std::vector<Change> changes = DiffFolders(words.arguments);
+  const auto [changes, figures] = DiffFolders(words.arguments);
+  RefuseUnknown(rules, figures);
   bool fails = false;
   std::vector<bool> each;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -66,7 +96,8 @@ int Differ(const DiffWords& words) {
     one["fails"] = broken;
     list.push_back(std::move(one));
   }
-  if (!words.page.empty()) WriteLooseFile(words.page, DiffPage(words.arguments, changes, each, words.page));
+  if (!words.page.empty())
+    WriteLooseFile(words.page, DiffPage(words.arguments, changes, each, words.page, words.language));
   if (words.json)
     fmt::print("{}\n", nlohmann::ordered_json{{"before", words.arguments.before.string()},
                                               {"after", words.arguments.after.string()},
@@ -74,6 +105,8 @@ int Differ(const DiffWords& words) {
                            .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   else if (changes.empty())
     fmt::print("no difference\n");
+  else
+    TellBroken(rules, changes);
   return fails ? kFindings : kDone;
 }
 
@@ -84,7 +117,8 @@ void AddDiffCommand(CLI::App& app, Run& run) {
                                          "What two plans differ in: settings, points, poses, figures, "
                                          "findings, programs by motion (docs/diff.md)");
   const auto words = std::make_shared<DiffWords>();
-  command->add_option("BEFORE", words->arguments.before, "Output folder of millpose plan")->required();
+  command->add_option("BEFORE", words->arguments.before, "Output folder of millpose plan or batch")
+      ->required();
   command->add_option("AFTER", words->arguments.after, "The other")->required();
   command
       ->add_option(
@@ -94,9 +128,11 @@ void AddDiffCommand(CLI::App& app, Run& run) {
       ->allow_extra_args(false);
   command->add_flag("--json", words->json, "As JSON");
   command->add_option("--html", words->page, "Write it to this file as a page too, both plans side by side");
+  const LanguageOption language = AddLanguageOption(*command);
   const RootOption root = AddRootOption(*command);
-  command->callback([&run, words, root] {
-    run = [words, root](Session&) {
+  command->callback([&run, words, language, root] {
+    run = [words, language, root](Session&) {
+      words->language = ParseLanguage(*language);
       words->arguments.root = FileRoot::Of(*root);
       return Differ(*words);
     };

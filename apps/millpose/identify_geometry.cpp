@@ -127,7 +127,7 @@ DeviationSettings DeviationsOf(const GeometryFit& fit, const GeometryWords& word
       const DeviationEstimate one = fit.Estimate(frame, component);
       const double rounded = Rounded(Readable(component, one.value), Readable(component, one.deviation));
       const auto axis = static_cast<Eigen::Index>(component % 3);
-      (component < 3 ? found.shifts : found.turns)[frame][axis] = component < 3 ? rounded : 1e-3 * rounded;
+      (component < 3 ? found.shifts : found.turns)[frame][axis] = component < 3 ? rounded : rounded / 1e3;
     }
   found.uncertainty = std::stod(fmt::format("{:.2g}", UncertaintyOf(fit)));
   std::vector<std::string> names;
@@ -154,7 +154,8 @@ std::vector<std::string> FindingsOf(const GeometryFit& fit) {
   if (fit.left_out() > kMostLeftOut)
     findings.push_back(
         fmt::format("readings are foretold by the others to {:.3g} mm RMS; an arm's geometry leaves "
-                    "at most {:.3g} mm: another arm, unit, order of joints or a tracker that moved",
+                    "at most {:.3g} mm: another arm, unit, order of joints, count of an angle (they count "
+                    "as the cell's arm, not as the controller) or a tracker that moved",
                     fit.left_out(), kMostLeftOut));
   for (size_t frame = 1; frame < 6; ++frame)
     for (size_t component = 0; component < 6; ++component) {

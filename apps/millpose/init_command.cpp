@@ -28,7 +28,7 @@ void AddInitCommand(CLI::App& app, Run& run) {
   const auto arguments = std::make_shared<InitArguments>();
   command
       ->add_option("PART", arguments->part,
-                   "Part (STL, OBJ, PLY, OFF, STEP), or a CAM file (APT, G-code, CSV)")
+                   "Part (STL, OBJ, PLY, OFF, STEP, IGES, 3MF), or a CAM file (APT, G-code, CSV)")
       ->required();
   CLI::Option* arm =
       command->add_option("--arm", arguments->arm, "A sample cell's arm, like kr500_r2830, or a URDF file");

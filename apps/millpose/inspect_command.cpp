@@ -25,7 +25,8 @@ std::string Told(const InspectWords& arguments) {
   const std::filesystem::path summary_file = arguments.folder / "summary.json";
   if (!std::filesystem::exists(points_file))
     throw InputError({arguments.folder.string()},
-                     "holds no points.csv; allowed: a folder that millpose plan wrote");
+                     "holds no points.csv; allowed: a folder that millpose plan wrote; an interrupted plan "
+                     "is finished by the same command again");
   const PointsTable points(ReadFile(points_file), points_file.string());
   const std::string summary = ReadFile(summary_file);
   CheckInspectOptions(points, arguments.options);

@@ -24,9 +24,11 @@ void AddPlaceCommand(CLI::App& app, Run& run) {
   command->add_option("--max-points", arguments->max_points, "Points that the tool path may have")
       ->check(CLI::Range(1.0, 1e9))
       ->capture_default_str();
+  const LanguageOption language = AddLanguageOption(*command);
   const RootOption root = AddRootOption(*command);
-  command->callback([&run, arguments, changes, root] {
-    run = [arguments, changes, root](Session& session) {
+  command->callback([&run, arguments, changes, language, root] {
+    run = [arguments, changes, language, root](Session& session) {
+      arguments->language = ParseLanguage(*language);
       arguments->root = FileRoot::Of(*root);
       for (const std::string& change : *changes) arguments->overrides.push_back(ParseOverride(change));
       const PlanOutcome outcome = RunPlace(*arguments, session.progress, session.stop);

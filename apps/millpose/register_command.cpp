@@ -109,7 +109,8 @@ void PrintBending(const RegisteredPart& part) {
 void Print(const RegisteredPart& part) {
   constexpr size_t kTold = 20;
   constexpr double kMicrometre = 1000;
-  fmt::print("points         {:>8}   {} outliers among them, left out\n", part.points, part.outliers.size());
+  fmt::print("points         {:>8}   {} outlier{} among them, left out\n", part.points, part.outliers.size(),
+             part.outliers.size() == 1 ? "" : "s");
   fmt::print("distances      {:>8.3f} mm RMS; they scatter {:.2f} times as much as stated{}\n", part.rms,
              part.found.scatter,
              part.found.scatters_more ? ": more than chance explains; the figures below count with it" : "");

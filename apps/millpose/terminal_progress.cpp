@@ -2,6 +2,8 @@
 #include "terminal_progress.hpp"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,12 +12,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/utf8.hpp"
 #include "clean_output.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr size_t kBarWidth = 30;
+constexpr size_t kBarWidth = 30, kLeastBar = 8;
 constexpr double kLeastTime = 0.5;  // s before a speed is reported: earlier it is noise
 
 std::chrono::milliseconds Interval(ProgressForm form) {
@@ -30,9 +33,36 @@ std::chrono::milliseconds Interval(ProgressForm form) {
   return std::chrono::seconds(1);
 }
 
-std::string Bar(double share) {
-  const auto filled = static_cast<size_t>(share * kBarWidth);
-  return '[' + std::string(filled, '#') + std::string(kBarWidth - filled, '.') + ']';
+std::string Bar(double share, size_t width) {
+  const auto filled = static_cast<size_t>(share * static_cast<double>(width));
+  return '[' + std::string(filled, '#') + std::string(width - filled, '.') + ']';
+}
+
+// Of the terminal that stderr is; a longer line would wrap, and clearing it would leave its beginning.
+size_t TerminalColumns() {
+  winsize size{};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+// The first characters of a text; each is taken to fill one column.
+std::string FirstColumns(std::string_view text, size_t columns) {
+  size_t bytes = 0;
+  for (size_t i = 0; i < columns && bytes < text.size(); ++i)
+    bytes += std::max<size_t>(1, Utf8Length(text.substr(bytes)));
+  return std::string(text.substr(0, bytes));
+}
+
+// "passes     [####....] 1200 of 5000 (24 %), 830/s, 5 s left" in the columns that there are.
+std::string BarLine(const std::string& stage, const std::optional<double>& share, const std::string& state) {
+  const size_t columns = TerminalColumns() - 1;
+  const size_t words = std::max<size_t>(stage.size(), 10) + state.size() + 4;  // blanks and brackets
+  const size_t width = columns > words ? std::min(kBarWidth, columns - words) : 0;
+  const std::string bar = share && width >= kLeastBar ? Bar(*share, width) + ' ' : "";
+  return FirstColumns(fmt::format("{:<10} {}{}", stage, bar, state), columns);
+}
+
+std::string SpeedText(double per_s) {
+  return per_s < 1000 ? fmt::format("{:.3g}/s", per_s) : fmt::format("{:.0f}/s", per_s);
 }
 
 // "40 s", "7 min", "2 h 10 min": an estimate has no more digits.
@@ -122,7 +152,7 @@ std::string TerminalProgress::State(const Figures& figures) const {
   if (left_by_)
     state += figures.left_s ? ", about " + SpanText(*figures.left_s) + " left" : ", time left not known yet";
   else if (figures.left_s)
-    state += fmt::format(", {:.3g}/s, {:.0f} s left", *figures.per_s, *figures.left_s);
+    state += fmt::format(", {}, {:.0f} s left", SpeedText(*figures.per_s), *figures.left_s);
   if (!doing_.empty()) state += ": " + doing_;
   return state;
 }
@@ -150,7 +180,7 @@ void TerminalProgress::Show(Clock::time_point now) {
   if (form_ == ProgressForm::kJson) return Write(Json("running", figures, {}));
   if (form_ == ProgressForm::kLines) return Write(fmt::format("{:<10} {}\n", stage_, State(figures)));
   ClearLine();
-  Write(fmt::format("{:<10} {} {}", stage_, figures.share ? Bar(*figures.share) : "", State(figures)));
+  Write(BarLine(stage_, figures.share, State(figures)));
 }
 
 void TerminalProgress::Watch(const std::stop_token& stop) {

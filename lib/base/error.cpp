@@ -60,12 +60,23 @@ size_t EditDistance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+// Whether a name goes on where what was given ends: kr500 of kr500_r2830. Two letters begin too many.
+bool IsBegun(std::string_view given, std::string_view name) {
+  return given.size() > 2 && name.size() > given.size() &&
+         EditDistance(given, name.substr(0, given.size())) == 0;
+}
+
 }  // namespace
 
 std::string NearestName(std::string_view given, const std::vector<std::string>& known) {
+  constexpr size_t kBegun = 2;  // so near is a name's beginning: nearer than a slip in several letters
   std::string nearest;
   size_t best = given.size() / 2 + 2;  // farther than this is another word, not a slip
   for (const std::string& name : known) {
+    if (IsBegun(given, name) && best > kBegun) {
+      best = kBegun;
+      nearest = name;
+    }
     if (given.size() >= name.size() + best || name.size() >= given.size() + best) continue;
     const size_t distance = EditDistance(given, name);
     if (distance < best) {

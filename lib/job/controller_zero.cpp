@@ -87,8 +87,7 @@ class Settling {
       const AxisConvention stated = options.UncoupledAxes();
       if (SignsOf(stated) != signs || (Tidy(stated.offset() - offset).array().abs() > kQuarterWithin).any())
         cell_.warnings.push_back(fmt::format(
-            "{}: controllers.{}: {} is not what the arm's geometry gives with the controller's zero "
-            "(the arm level), which is {}",
+            "{}: controllers.{}: {} is not what the arm's geometry gives with the maker's zero, which is {}",
             cell_.file, name, Keys(SignsOf(stated), stated.offset()), Keys(signs, offset)));
       return;
     }
@@ -102,8 +101,8 @@ class Settling {
     options.axis_offsets = offset;
     if (!own_count)
       cell_.notes.push_back(
-          fmt::format("controllers.{}: the arm's own zero has its {}; the controller's zero is the "
-                      "arm level, so {}",
+          fmt::format("controllers.{}: the arm's own zero has its {}; the controller counts from its "
+                      "maker's zero, so {}",
                       name, DescribeZero(arm_), Keys(signs, offset)));
   }
 

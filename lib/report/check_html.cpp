@@ -166,8 +166,12 @@ std::string CheckHtml(const CheckHtmlInput& input, const HtmlLimits& limits) {
     picture = "<figure id=\"wrong-side\" class=\"card\">" +
               SideView(*input.cell, input.part ? *input.part : none, *input.wrong_side) + "</figure>";
   }
-  const std::string title = Escaped(input.title), text = ScriptText(data);
+  const std::string title = Escaped(input.title), text = ScriptText(data),
+                    language = WordOf(kLanguageWords, input.language),
+                    words = std::string(kWordsOfPage) + std::string(kWordsOfCheck);
   return FilledPage(kWebCheckPage, {{"title", title},
+                                    {"language", language},
+                                    {"words", words},
                                     {"style", kWebStyle},
                                     {"license", kWebLicense},
                                     {"three", kWebThree},

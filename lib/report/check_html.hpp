@@ -5,6 +5,7 @@
 #include "geometry/import/mesh_parts.hpp"
 #include "report/html.hpp"
 #include "report/side_view.hpp"
+#include "report/words/words.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {
@@ -26,9 +27,10 @@ struct CheckHtmlInput {
   const Toolpath* toolpath = nullptr;  ///< in W
   std::vector<PointReach> reach;       ///< of its points
   std::vector<std::string> findings, notes;
-  std::optional<WrongSide> wrong_side;  ///< of such findings the first point, for their picture
-  std::string text;                     ///< what the terminal is told
-  std::string settings;                 ///< as resolved, YAML
+  std::optional<WrongSide> wrong_side;     ///< of such findings the first point, for their picture
+  std::string text;                        ///< what the terminal is told
+  std::string settings;                    ///< as resolved, YAML
+  Language language = Language::kEnglish;  ///< that the page opens in
 };
 
 /// The page as bytes: a pure function of its input.

@@ -8,7 +8,7 @@
 
 namespace millpose {
 std::string ReportHtml(const HtmlInput& input, const HtmlLimits& limits) {
-  const std::string title = Escaped(input.plan.job), data = ReportJson(input, limits),
+  const std::string title = Escaped(input.Title()), data = ReportJson(input, limits),
                     language = WordOf(kLanguageWords, input.language);
   return FilledPage(kWebPage, {{"language", language},
                                {"title", title},

@@ -98,6 +98,9 @@ struct HtmlInput {
   const Budget* budget = nullptr;                 ///< of the face's error
   const FaceReport* face = nullptr;               ///< where it was asked for
   Language language = Language::kEnglish;         ///< in which it opens; its menu has all
+  std::string operation = {};                     ///< its name, the title where the job lists several
+
+  const std::string& Title() const { return operation.empty() ? plan.job : operation; }
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

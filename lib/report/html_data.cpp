@@ -250,7 +250,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
   const std::vector<ReportRow> rows = RowsToShow(plan, columns, limits.points);
   const Layout layout = LayEndToEnd(plan);
   Json data{{"format", 1},
-            {"job", plan.job},
+            {"job", input.Title()},
             {"cell", plan.cell},
             {"seed", plan.seed},
             {"input_hash", plan.input_hash},

@@ -20,7 +20,7 @@ p.of { color: var(--muted); }
 ul, ol { margin: 0 0 10px; padding-left: 20px; }
 ol.steps { list-style: none; padding-left: 0; }
 ol.steps li::before { content: "\2610\00a0\00a0"; }
-svg { display: block; width: 100%; height: auto; background: var(--card); border: 1px solid var(--line); border-radius: 5px; }
+svg { display: block; width: 100%; height: auto; background: var(--card); border: 1px solid; border-color: var(--line); border-radius: 5px; }
 pre { white-space: pre-wrap; overflow-wrap: anywhere; font: 10px/1.3 ui-monospace, "DejaVu Sans Mono", monospace; }
 tr, li, svg { break-inside: avoid; }
 h2 { break-after: avoid; }

@@ -17,6 +17,7 @@ extern const std::string_view kWebCheckPage;     ///< web/check.html
 extern const std::string_view kWebCheckScripts;  ///< those of check.html
 
 extern const std::string_view kWordsOfPage;   ///< the tables of words that report.html carries
+extern const std::string_view kWordsOfCheck;  ///< those that check.html carries beside them
 extern const std::string_view kWordsOfSheet;  ///< those of the setup sheet and the terminal's summary
 
 }  // namespace millpose

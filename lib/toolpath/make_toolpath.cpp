@@ -269,11 +269,18 @@ std::vector<Cut> AllCuts(const Layout& layout, const Region& region, const Corne
                                  "the path goes from {:.3f} to {:.3f} mm",
                                  extent.first, extent.second));
   }
-  if (cuts.empty())
-    throw InputError(
-        {},
-        "toolpath: nothing of the mesh lies in the region; check box, facing direction, rim distance "
-        "and the mesh's unit and orientation");
+  if (cuts.empty()) {
+    const double kept = options.region.rim_distance;
+    const std::string from_border =
+        kept > 0 ? fmt::format(
+                       " at least {:.6g} mm from its border (region.rim_distance_mm; of a pad offset_mm, "
+                       "by default the cutter's radius)",
+                       kept)
+                 : "";
+    throw InputError({}, fmt::format("toolpath: nothing of the mesh lies in the region{}; check the region's "
+                                     "conditions and the mesh's unit and orientation",
+                                     from_border));
+  }
   return cuts;
 }
 

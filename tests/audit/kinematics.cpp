@@ -123,11 +123,12 @@ Indices ComputeIndices(const Setup& setup, const Angles& angles, const Vector3& 
   const Vector3 n = normal_W.normalized();
   Eigen::Index least;
   n.cwiseAbs().minCoeff(&least);
-  Eigen::Matrix<Real, 3, 2> plane;
+  Matrix3 plane =
+      Matrix3::Zero();  // a third column of nothing: of square matrices the decomposition compiles quickly
   plane.col(0) = n.cross(Vector3(Vector3::Unit(least))).normalized();
   plane.col(1) = n.cross(Vector3(plane.col(0)));
-  const Matrix3 inverse = c.fullPivLu().inverse();
-  const Eigen::JacobiSVD<Eigen::Matrix<Real, 3, 2>> section(inverse * plane);
+  const Matrix3 inverse = c.inverse();
+  const Eigen::JacobiSVD<Matrix3> section(inverse * plane);
   Indices indices;
   indices.lambda_t1 = 1 / section.singularValues()[1];
   indices.lambda_t2 = 1 / section.singularValues()[0];

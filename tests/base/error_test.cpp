@@ -27,6 +27,8 @@ TEST(Error, NeitherManyProblemsNorLongOnesFillTheLog) {
 TEST(Error, NearestNameFindsSlipsAndLeavesStrangersAlone) {
   EXPECT_EQ(NearestName("stepver_mm", {"stepover_mm", "spacing_mm"}), "stepover_mm");
   EXPECT_EQ(NearestName("Seed", {"name", "seed"}), "seed");
+  EXPECT_EQ(NearestName("kr500", {"ur10e", "kr500_r2800_2", "kr500_r2830"}), "kr500_r2800_2");
+  EXPECT_EQ(NearestName("tool", {"toolpath", "tools"}), "tools");
   EXPECT_EQ(NearestName("xyz", {"stepover_mm", "chord_tolerance_mm"}), "");
 }
 

@@ -60,6 +60,31 @@ class Diff(InFolder):
                 self.assertLessEqual({word for word in sections.split() if not word.endswith("?")}, seen, found)
                 self.assertLessEqual(seen, {word.rstrip("?") for word in sections.split()}, found)
 
+    def batch(self, name, jobs):
+        """A batch's folder of plans that stand elsewhere."""
+        folder = self.folder / name
+        folder.mkdir()
+        for job, plan in jobs.items():
+            shutil.copytree(plan, folder / job)
+        shutil.copy(next(iter(jobs.values())) / ".millpose", folder)
+        (folder / "batch.json").write_text(json.dumps({"jobs": [{"folder": job} for job in (*jobs, "never_planned", "../" + next(iter(jobs)))]}))
+        return folder
+
+    def test_two_batches_are_compared_job_by_job(self):
+        base, slow = self.plan("base"), self.plan("slow", "process.feed_mm_min=8")
+        before = self.batch("before", {"pad": base, "old": base, "same": base})
+        after = self.batch("after", {"pad": slow, "new": base, "same": base})
+        found, status = self.changes(before, after, "--fail-on", "findings")
+        self.assertEqual(status, 1)
+        whole = [(one["operation"], one["what"]) for one in found if one["operation"] != "pad"]
+        self.assertEqual(whole, [("new", "its plan is new"), ("old", "its plan is gone")])
+        self.assertEqual([{**one, "fails": None} for one in found if one["operation"] == "pad"],
+                         [{**one, "operation": "pad", "fails": None} for one in self.changes(base, slow)[0]])
+        self.assertEqual(self.changes(before, before), ([], 0))
+        refused = run("diff", before, base)
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("allowed: two plans, or two batches", refused.stderr)
+
     def test_rules_decide_the_status(self):
         base, slow = self.plan("base"), self.plan("slow", "process.feed_mm_min=8")
         for rule, status in (("settings", 1), ("any", 1), ("poses", 0), ("cycle_times.krl.total_s:50", 1), ("cycle_times.krl.total_s:99", 0),
@@ -68,6 +93,13 @@ class Diff(InFolder):
         refused = run("diff", base, slow, "--fail-on", "setings")
         self.assertEqual(refused.returncode, 2)
         self.assertIn("allowed: any, settings, points", refused.stderr)
+        mistyped = run("diff", base, base, "--fail-on", "cycle_times.krl.totl_s:2")  # a rule that could never hold
+        self.assertEqual(mistyped.returncode, 2)
+        self.assertIn('--fail-on: no figure "cycle_times.krl.totl_s"; known: ', mistyped.stderr)
+        self.assertIn('did you mean "cycle_times.krl.total_s"?', mistyped.stderr)
+        told = run("diff", base, slow, "--fail-on", "cycle_times.krl.total_s:50", "--fail-on", "clearance_min_mm:0", "--fail-on", "settings").stdout
+        self.assertRegex(told, r"(?m)^fails      --fail-on cycle_times\.krl\.total_s:50 \([5-9]\d(\.\d)? %\)\nfails      --fail-on settings \(1 line\)$")
+        self.assertNotIn("--fail-on clearance_min_mm", told)
         self.assertIn("settings   process.feed_mm_min: 80 -> 8\n", run("diff", base, slow).stdout)
 
     def test_the_page_has_every_line_and_loads_nothing(self):
@@ -78,6 +110,11 @@ class Diff(InFolder):
         text = page.read_text(encoding="utf-8")
         rows = re.findall(r"<tr( class=\"bad\")?><td", text)
         self.assertEqual(len(rows), len(found))
+        self.changes(base, other, "--html", page, "--lang", "zh")
+        chinese = page.read_text(encoding="utf-8")
+        self.assertIn('<html lang="zh">', chinese)
+        self.assertEqual(len(re.findall("<tr><td", chinese)), len(found))
+        self.assertEqual(re.findall(r"\b(?:before|after|change|settings|figures|points|motions|with|another)\b", re.sub(r"(?s)<style>.*?</style>|<td>[\w.]+</td>|<[^>]*>", " ", chinese)), [])
         self.assertEqual(sum(map(bool, rows)), sum(entry["fails"] for entry in found))
         for entry in found:
             for key in ("what", "before", "after"):

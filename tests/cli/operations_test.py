@@ -50,6 +50,11 @@ class Operations(InFolder):
         self.assertEqual(planned.returncode, 0, planned.stdout + planned.stderr)
         for controller in CONTROLLERS:
             self.assertIn(f"programs/{controller}: calls 3 programs, read back and confirmed", planned.stdout)
+        self.assertIn("<title>trim_window – millpose</title>", (self.out / "operations" / FOLDERS[1] / "report.html").read_text())
+        told = planned.stdout.splitlines()
+        self.assertLessEqual(len(told), 12, planned.stdout)
+        self.assertRegex(told[0], r"^done       \w+ on \w+: (\d+) of \1 points in 3 operations$")
+        self.assertRegex(told[-1], r"^report     \S+/report\.html$")
         verified = run("verify", self.out)
         self.assertEqual(verified.returncode, 0, verified.stdout + verified.stderr)
         self.assertRegex(verified.stdout, r"krl +0 motions  confirmed .*/out/programs/krl\n")

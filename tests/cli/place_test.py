@@ -91,7 +91,7 @@ class Place(InFolder):
         page = (out / "placement.html").read_text()
         self.assertEqual(page.count("<rect"), 25)
         self.assertNotIn("<script", page)
-        self.assertEqual([name in page for name in ("<svg", ">robot base<", ">job's own</text>", ">best</text>")], [True] * 4)
+        self.assertEqual([name in page for name in ("<svg", ">robot base<", ">job's own</text>", ">best place</text>")], [True] * 4)
         self.assertEqual((page.count("<polygon"), page.count("<svg")), (2, 2))
 
     TINY = "placement:\n  x_mm: {from: 1700, to: 2300}\n  z_mm: {from: 700, to: 1500}\n  points: 2\n  places: %d\n  plans: %d\n  map_points: 2\n"
@@ -99,8 +99,8 @@ class Place(InFolder):
     def test_what_was_edited_stays_and_what_this_run_does_not_make_goes(self):
         few = [(r"stepover_mm: 27", "stepover_mm: 60"), (r"spacing_mm: 20", "spacing_mm: 60")]
 
-        def place(placement):
-            done = run("place", self.job(placement, few), "-q")
+        def place(placement, *more):
+            done = run("place", self.job(placement, few), "-q", *more)
             self.assertLess(done.returncode, 2, done.stderr)
             self.assertIn(f"{self.folder}/job.placed", done.stdout)
             return re.search(r"best +\d+: (\S+)", done.stdout).group(1)
@@ -123,7 +123,14 @@ class Place(InFolder):
         (self.folder / "job.placed.1.yaml").write_text(PAD)  # of somebody else
         self.assertEqual(place(self.TINY % (20, 1)), str(self.folder / "job.placed.2.yaml"))
         placed.write_bytes(written)  # as place wrote it once: its own again
-        self.assertEqual(place(self.TINY % (20, 1)), str(placed))
+        english = (plans.parent / "placement.html").read_text()
+        self.assertEqual(place(self.TINY % (20, 1), "--lang", "de"), str(placed))
+        german = (plans.parent / "placement.html").read_text()
+        self.assertIn('<html lang="de">', german)
+        self.assertIn('<html lang="de">', (plans / "00_job" / "report.html").read_text())
+        texts = re.sub(r"(?s)<style>.*?</style>|<[^>]*>", " ", german)
+        self.assertEqual(re.findall(r"\b(?:the|place|of|and|most|from|by|points|job)\b", texts), [])
+        self.assertEqual([len(re.findall(tag, german)) for tag in ("<td>", "<rect", "<svg")], [len(re.findall(tag, english)) for tag in ("<td>", "<rect", "<svg")])
         self.assertEqual(beside(), ["job.placed.1.yaml", "job.placed.yaml"])
         self.assertEqual((self.folder / "job.placed.1.yaml").read_text(), PAD)
 
@@ -356,11 +363,11 @@ class Place(InFolder):
         return found, split
 
     def test_a_part_twice_the_reach_is_split_between_stations(self):
-        job = self.panel(6000, self.STATIONS)
+        job = self.panel(6000, self.STATIONS, 200, 200)
         done = run("place", job, "--threads", "2", "-q")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         out = self.folder / "long_standing_panel.places"
-        found, split = self.stations_cover(out, 6000, 100, 100)
+        found, split = self.stations_cover(out, 6000, 200, 200)
         # No single place reaches all, in the sample nor in any plan.
         self.assertTrue(all(int(row["free"]) < int(row["points"]) for row in rows(out / "places.csv")))
         for plan in found["plans"]:

@@ -25,7 +25,7 @@ def targets(text, pattern):
 class Posts(InFolder):
     def program(self, sample, controller, name, *changes):
         out = self.folder / name
-        sets = [word for change in (f"programs=[{controller}]", *changes) for word in ("--set", change)]
+        sets = [word for change in (f"programs=[{controller}]", "path.rotation_step_deg=10", *changes) for word in ("--set", change)]
         result = run("plan", TOP / "toolpaths" / sample / "job.yaml", "-o", out, "-q", *sets)
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         self.assertEqual(run("verify", out).returncode, 0)

@@ -126,7 +126,7 @@ class Register(InFolder):
         self.points.write_text(probed(30, 0.02, chips=(7,)))
         result = self.register("--propose", 0)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("1 outliers among them", result.stdout)
+        self.assertIn("1 outlier among them", result.stdout)
         self.assertIn(f"{self.points}:9: +", result.stdout)
         flat = probed(30, 0.02).splitlines()
         self.points.write_text("\n".join([flat[0], *flat[1::5]]) + "\n")

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from cli_fixture import FEW, JOB, TOP, InFolder, plan, run
 import operations_sample
+from pdf_pages import pages_of
 
 
 class Page(html.parser.HTMLParser):
@@ -80,6 +81,8 @@ class SetupSheet(InFolder):
             self.assertIn([summary["job"], row["source"].replace("_", " "), "not stated" if row["um"] is None else f"{row['um']:.3g}", row["basis"]], page.cells)
         self.assertEqual(page.sections["job.yaml"].strip(), (out / "job.yaml").read_text().strip())
         self.assertIn("nobody has measured it", page.sections["Datum"])
+        (tool,) = [row for row in page.cells if row[0] == "spindle_d20"]
+        self.assertEqual(tool[3], "60, 60, 320")
         # The same bytes, wherever it is written to.
         self.assertEqual(self.sheet(out, "--job", JOB), text)
 
@@ -120,6 +123,11 @@ class SetupSheet(InFolder):
         page = page_of(self.sheet(out, "--job", job))
         summary = json.loads((out / "summary.json").read_text())
         names = [one["name"] for one in summary["operations"]]
+        signed = page_of(self.summary(out, "--job", job))
+        self.assertEqual([row[0] for row in signed.cells if row[0] in names], names)
+        manifest = {one["path"]: one["hash"] for one in json.loads((out / "manifest.json").read_text())["files"]}
+        for program in summary["programs"]:
+            self.assertIn([program["controller"], program["path"], "confirmed", manifest[program["path"]]], signed.cells)
         self.assertGreater(len(names), 1)
         for name in names:
             self.assertIn(f"{name}/job.yaml", page.sections)
@@ -213,6 +221,57 @@ class SetupSheet(InFolder):
             for part in ("--lang", "zhe", "known: en, de, zh", 'did you mean "zh"?'):
                 self.assertIn(part, result.stderr)
         self.assertFalse((self.folder / "out").exists())
+
+    def summary(self, *arguments):
+        """The two pages, as HTML."""
+        text = self.sheet(*arguments, "--summary")
+        self.assertEqual(text.count('<section class="page">'), 2)
+        self.assertNotIn("<script", text)
+        return text
+
+    def test_the_summary_says_what_is_signed(self):
+        out = self.folder / "out"
+        self.assertEqual(plan(out).returncode, 0)
+        text = self.summary(out, "--job", JOB)
+        page, summary = page_of(text), json.loads((out / "summary.json").read_text())
+        manifest = {one["path"]: one["hash"] for one in json.loads((out / "manifest.json").read_text())["files"]}
+        self.assertIn('<div class="verdict"><b>done</b>', text)
+        for program in summary["programs"]:
+            self.assertIn([program["controller"], program["path"], "confirmed", manifest[program["path"]]], page.cells)
+        self.assertIn(json.loads((out / "run.json").read_text())["manifest"], text)
+        self.assertIn(f"<b>{summary['points']['planned']} / {summary['points']['total']}</b>", text)
+        self.assertIn(f"<b>{summary['clearance_min_mm']:.1f}</b>", text)
+        self.assertIn(f"<b>{summary['budget']['sum_um']:.3g}</b>", text)
+        bars = {row[0]: row[2] for row in page.cells if len(row) == 3 and row[2].endswith(" µm")}
+        self.assertEqual(bars, {**{row["source"].replace("_", " "): f"{row['um']:.3g} µm" for row in summary["budget"]["rows"] if row["um"] is not None},
+                                "sum of what is stated": f"{summary['budget']['sum_um']:.3g} µm"})
+        self.assertEqual(len(re.findall('class="course"', text)), 3)  # compliance; displacement by force and by lost motion
+        self.assertEqual(self.summary(out, "--job", JOB), text)
+        for language, verdict in (("de", "fertig"), ("zh", "完成")):
+            said = self.summary(out, "--job", JOB, "--lang", language)
+            self.assertIn(f'<div class="verdict"><b>{verdict}</b>', said)
+            read = re.sub(r"(?s)<style>.*?</style>|<code>.*?</code>|<[^>]*>", " ", said)
+            self.assertEqual(re.findall(r"\b(?:the|with|are|is|and|of|not|confirmed|by)\b", read), [], language)
+            self.assertEqual(re.findall(r'class="course" d="[^"]*"', said), re.findall(r'class="course" d="[^"]*"', text))
+        if shutil.which("weasyprint"):
+            pdf = self.folder / "summary.pdf"
+            self.assertEqual(run("report", out, "--job", JOB, "--summary", "--pdf", pdf).returncode, 0)
+            self.assertEqual(pages_of(pdf.read_bytes()), 2)
+        # What was changed since is not signed.
+        program = out / summary["programs"][0]["path"]
+        program.write_bytes(program.read_bytes() + b"\n")
+        refused = run("report", out, "--job", JOB, "--summary", "--html", self.folder / "x.html")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn(program.name, refused.stderr)
+
+    def test_the_summary_says_why_a_plan_is_not_done(self):
+        out = self.folder / "out"
+        result = plan(out, changes=("toolpath.stepover_mm=40", "toolpath.spacing_mm=40", "workpiece.pose.xyz_mm=[2900, 0, 900]"))
+        self.assertEqual(result.returncode, 1, result.stderr)
+        text, summary = self.summary(out, "--job", JOB), json.loads((out / "summary.json").read_text())
+        self.assertIn("<b>INCOMPLETE</b>", text)
+        self.assertIn(f"{summary['job']}: {summary['points']['skipped']} of {summary['points']['total']} points are left out: ", text)
+        self.assertIn(summary["skipped"][0]["detail"][:60], text)
 
     def test_bad_input(self):
         out = self.folder / "out"

@@ -46,6 +46,54 @@ def tip(sheet, degrees, in_tool0):
     return go(in_tool0)
 
 
+def across(a, b, radius, y):
+    """What of a line along x at height y lies within a radius of the way from a to b: its ends, or nothing."""
+    ends = [x + side * math.sqrt(radius ** 2 - (y - at) ** 2) for x, at in (a, b) if abs(y - at) <= radius for side in (-1, 1)]
+    length = math.dist(a, b)
+    if length > 0:
+        aside = (radius * (a[1] - b[1]) / length, radius * (b[0] - a[0]) / length)
+        corners = [(p[0] + s * aside[0], p[1] + s * aside[1]) for p, s in ((a, 1), (b, 1), (b, -1), (a, -1))]
+        for (x, low), (other, high) in zip(corners, corners[1:] + corners[:1]):
+            if min(low, high) <= y < max(low, high):
+                ends.append(x + (y - low) / (high - low) * (other - x))
+    return (min(ends), max(ends)) if ends else None
+
+
+class Milled:
+    """An independent count of what flat cutters take off a blank whose face lies at z = 0, by their level cuts; mm."""
+
+    CELL = 0.25
+
+    def __init__(self, half_x, half_y):
+        self.half_x, self.half_y = half_x, half_y
+        self.levels = {}  # by height: which cells a cutter was over
+        self.removed = 0.0  # mm³
+
+    def level(self, z):
+        if z not in self.levels:
+            columns, rows = (round(2 * half / self.CELL) for half in (self.half_x, self.half_y))
+            self.levels[z] = [bytearray(columns) for _ in range(rows)]
+        return self.levels[z]
+
+    def mill(self, points, radius):
+        """points: (pass, x, y, z) in P."""
+        for (one, *a), (other, *b) in zip(points, points[1:]):
+            if one != other or abs(a[2] - b[2]) > 1e-6:
+                continue
+            for row, cells in enumerate(self.level(round(a[2], 4))):
+                reached = across(a[:2], b[:2], radius, (row + 0.5) * self.CELL - self.half_y)
+                if reached:
+                    first, end = (min(max(math.ceil((x + self.half_x) / self.CELL - 0.5), 0), len(cells)) for x in reached)
+                    cells[first:end] = b"\1" * (end - first)
+        self.removed = 0.0
+        # A cell that was milled at one height is so at all above it.
+        whole = [0] * len(next(iter(self.levels.values())))
+        for z in sorted(self.levels):
+            whole = [cells | int.from_bytes(milled, "big") for cells, milled in zip(whole, self.levels[z])]
+            above = min([0.0] + [other for other in self.levels if other > z])
+            self.removed += sum(cells.bit_count() for cells in whole) * self.CELL ** 2 * (above - z)
+
+
 class SampleJobs(InFolder):
     def test_small_samples_plan_whole(self):
         for name in SMALL:
@@ -55,6 +103,36 @@ class SampleJobs(InFolder):
                 summary = json.loads((self.folder / name / "summary.json").read_text())
                 self.assertEqual(summary["points"]["planned"], summary["points"]["total"])
                 self.assertTrue(summary["programs"] and all(p["verified"] for p in summary["programs"]))
+                page = self.folder / "summary.html"
+                told = run("report", self.folder / name, "--job", TOP / "toolpaths" / name / "job.yaml", "--summary", "--html", page)
+                self.assertEqual(told.returncode, 0, told.stderr)
+                self.assertEqual(page.read_text().count('<section class="page">'), 2)
+
+    def test_a_pocket_is_roughed_rested_and_finished(self):
+        result = run("plan", TOP / "toolpaths" / "cabin_pocket" / "job.yaml", "-o", self.folder / "out", "-q")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        whole = json.loads((self.folder / "out" / "summary.json").read_text())
+        self.assertEqual(whole["points"]["planned"], whole["points"]["total"])
+        self.assertEqual({program["controller"] for program in whole["programs"]}, {"krl", "sinumerik", "linuxcnc"})
+        self.assertTrue(all(program["verified"] for program in whole["programs"]))
+        milled, blank, removed = Milled(90, 65), 180 * 130 * 36 / 1e3, 0.0
+        for folder, radius in zip(sorted((self.folder / "out" / "operations").iterdir()), (20, 10, 10)):
+            stock = json.loads((folder / "summary.json").read_text())["stock"]
+            self.assertEqual(stock["pieces_left_out"], 0)
+            self.assertAlmostEqual(stock["blank_cm3"], blank - removed, 3)
+            self.assertGreater(stock["removed_cm3"], 5)
+            removed += stock["removed_cm3"]
+            head, *rows = (folder / "points.csv").read_text().splitlines()
+            points = []
+            for row in rows:
+                value = dict(zip(head.split(","), row.split(",")))
+                x, y, z = (float(value[f"{axis}_mm"]) for axis in "xyz")
+                points.append((value["pass"], z - 1200, y, 1900 - x))  # by the job's pose: the face looks at the arm
+            milled.mill(points, radius)
+            self.assertAlmostEqual(removed, milled.removed / 1e3, delta=0.005 * removed)
+        # In the end the whole pocket, with corners of 12 mm.
+        pocket = 20 * (140 * 90 - (4 - math.pi) * 12 ** 2)
+        self.assertAlmostEqual(milled.removed, pocket, delta=0.005 * pocket)
 
     def test_every_strategy_has_a_sample(self):
         schema = json.loads((TOP / "docs" / "schema" / "job.schema.json").read_text())

@@ -3,11 +3,14 @@
 """The samples in full, each judged without mercy (slow). Usage: samples_test.py MILLPOSE MILLPOSE_AUDIT TOP"""
 import json
 import random
+import shutil
 import signal
+import subprocess
 import sys
 import time
 import unittest
 
+from pdf_pages import pages_of
 from plan_fixture import Bench, contents, differences, kill_after, started
 
 BENCH = None
@@ -21,12 +24,27 @@ class Samples(unittest.TestCase):
         points = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["points"]
         self.assertGreaterEqual(points["total"], least_points)
         self.assertEqual(points["skipped"], 0)
-        status, verdict = BENCH.audit(folder, job, "--travel-mm", "0.2")
-        self.assertEqual((status, verdict["broken"]), (0, {}))
+        operations = folder / "operations"
+        for plan in sorted(operations.iterdir()) if operations.exists() else [folder]:
+            status, verdict = BENCH.audit(plan, job, "--travel-mm", "0.2")
+            self.assertEqual((status, verdict["broken"]), (0, {}), plan.name)
+        self.check_summary(job, folder)
         reference = contents(folder)
         for threads in ("2", "4"):
             _, other = BENCH.plan(job, f"{name}{threads}", "--threads", threads, timeout=1800)
             self.assertEqual(differences(reference, contents(other)), [])
+
+    def check_summary(self, job, folder):
+        """Two pages A4, whatever the plan is, in every language."""
+        for language in ("en", "de", "zh"):
+            page, pdf = BENCH.top / "summary.html", BENCH.top / "summary.pdf"
+            arguments = ["report", folder, "--job", job, "--summary", "--lang", language, "--html", page]
+            printer = shutil.which("weasyprint")
+            result = subprocess.run([BENCH.millpose, *arguments, *(["--pdf", pdf] if printer else [])], capture_output=True, text=True)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(page.read_text(encoding="utf-8").count('<section class="page">'), 2)
+            if printer:
+                self.assertEqual(pages_of(pdf.read_bytes()), 2)
 
     def test_support_pad(self):
         self.check("support_pad", 200)
@@ -42,6 +60,9 @@ class Samples(unittest.TestCase):
 
     def test_cabin_trim(self):
         self.check("cabin_trim", 400)
+
+    def test_cabin_pocket(self):
+        self.check("cabin_pocket", 500)
 
 
 class Kills(unittest.TestCase):

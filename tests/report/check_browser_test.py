@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """usage: check_browser_test.py MILLPOSE TOP: opens what `millpose check --view` writes for a job, a cell and a part
 in a headless Chromium and clicks in it."""
+import json
 import pathlib
 import subprocess
 import sys
 import unittest
 
 from browser_case import BrowserCase
+from browser_language_test import AS_IS, READ
 
 MILLPOSE, TOP = sys.argv[1], pathlib.Path(sys.argv[2])
 
@@ -132,6 +134,21 @@ class CheckInBrowser(BrowserCase):
             self.js(f"document.querySelector('{box}').click()")
             self.browser.settle()
             self.assertNotEqual(self.browser.screenshot("#view canvas"), before, box)
+
+    def test_nothing_that_is_read_lacks_its_words(self):
+        """But for findings and notes, which stay English where no table has them."""
+        for name in self.pages:
+            self.open(name)
+            self.js("document.querySelectorAll('details').forEach((e) => { e.open = true; })")
+            for pick in ("#faces tbody tr", "#edges tbody tr"):
+                self.js(f"document.querySelector('{pick}') && document.querySelector('{pick}').click()")
+                read = set(self.js(READ)) - set(self.js("[...document.querySelectorAll('#messages li')].map((e) => e.textContent.trim())"))
+                self.assertGreater(len(read), 10)
+                self.assertEqual([t for t in sorted(read) if not AS_IS.fullmatch(t.removesuffix("²")) and not self.js(f"millpose.canSay({json.dumps(t)})")], [], name)
+        self.js("(() => { const menu = document.querySelector('#language'); menu.value = 'de'; menu.dispatchEvent(new Event('change')); })()")
+        self.browser.settle()
+        self.assertEqual(self.js("[document.documentElement.lang, document.querySelector('#told h2').textContent]"), ["de", "Wie es im Terminal steht"])
+        self.keep("check_de.png", self.browser.screenshot())
 
     def test_keys(self):
         self.open("job")

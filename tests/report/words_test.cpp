@@ -28,6 +28,7 @@ constexpr Language kOthers[] = {Language::kGerman, Language::kChinese};
 const std::vector<WordEntry>& AllWords() {
   static const std::vector<WordEntry> all = [] {
     std::vector<WordEntry> words = ParseWords(kWordsOfPage, "page");
+    std::ranges::move(ParseWords(kWordsOfCheck, "check"), std::back_inserter(words));
     std::ranges::move(ParseWords(kWordsOfSheet, "sheet"), std::back_inserter(words));
     return words;
   }();
@@ -146,15 +147,14 @@ TEST(Words, ATableThatIsNoneIsRefusedAtItsLine) {
     }
 }
 
-// What stands in the page before any script runs.
-TEST(Words, ThePageHasNoLabelWithoutWords) {
+/// What stands in a page before any script runs; how many labels that are.
+size_t ExpectLabelsHaveWords(const std::string_view whole) {
   static const std::regex kNotSaid(
       "<(style|script|kbd translate|pre translate|select "
       "id=\"(language|speed)\")[\\s\\S]*?</(style|script|kbd|pre|select)>");
   static const std::regex kText(">([^<>]*[A-Za-z][^<>]*)<|(?:title|aria-label)=\"([^\"]*)\""),
       kBlanks("\\s*\\n\\s*"), kEnds("^\\s+|\\s+$");
-  const std::string page =
-      std::regex_replace(std::string(kWebPage.substr(kWebPage.find("<body>"))), kNotSaid, "");
+  const std::string page = std::regex_replace(std::string(whole.substr(whole.find("<body"))), kNotSaid, "");
   size_t labels = 0;
   for (std::sregex_iterator at(page.begin(), page.end(), kText), none; at != none; ++at, ++labels) {
     const std::string text = std::regex_replace(
@@ -162,7 +162,12 @@ TEST(Words, ThePageHasNoLabelWithoutWords) {
     if (text.starts_with("{{") || text.size() == 1) continue;  // keys of one letter
     EXPECT_TRUE(CanSay(text)) << text;
   }
-  EXPECT_GT(labels, 75u);
+  return labels;
+}
+
+TEST(Words, PagesHaveNoLabelWithoutWords) {
+  EXPECT_GT(ExpectLabelsHaveWords(kWebPage), 75u);
+  EXPECT_GT(ExpectLabelsHaveWords(kWebCheckPage), 30u);
 }
 
 TEST(Words, ColumnsReasonsAndBudgetHaveWords) {

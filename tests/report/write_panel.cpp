@@ -1,17 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // usage: write_report_panel PASSES POINTS FILE: writes the report of a panel plan for the browser test.
+//        write_report_panel --summary LANGUAGE MANY WORDS: a summary with so many entries of so many words.
 //        write_report_panel --say LANGUAGE: what the program says for each line of its input.
 #include <cstdlib>
 #include <iostream>
 
 #include "base/file.hpp"
 #include "report/words/words.hpp"
+#include "tests/report/long_summary.hpp"
 #include "tests/report/panel_plan.hpp"
 
 int main(int argc, char** argv) {
   if (argc == 3 && std::string(argv[1]) == "--say") {
     for (std::string line; std::getline(std::cin, line);)
       std::cout << millpose::Say(millpose::ParseLanguage(argv[2]), line) << '\n';
+    return 0;
+  }
+  if (argc == 5 && std::string(argv[1]) == "--summary") {
+    const size_t many = std::strtoul(argv[3], nullptr, 10), words = std::strtoul(argv[4], nullptr, 10);
+    std::cout << millpose::SummarySheetHtml(millpose::MakeLongSummary({many, many, many, many, words}),
+                                            millpose::ParseLanguage(argv[2]));
     return 0;
   }
   if (argc != 4) return 2;

@@ -278,8 +278,8 @@ Codec<ToolpathSettings> ToolpathFields() {
     if (chord != nullptr && toolpath.chord_tolerance > toolpath.gouges.tolerance)
       context.Child("chord_tolerance_mm")
           .Add(chord->mark,
-               fmt::format("given {} mm; at most gouges.tolerance_mm, {} mm: beyond it the chords themselves "
-                           "count as gouges",
+               fmt::format("given {} mm; at most toolpath.gouges.tolerance_mm, {} mm: beyond it the chords "
+                           "themselves count as gouges",
                            toolpath.chord_tolerance, toolpath.gouges.tolerance));
   };
   return codec;

@@ -15,10 +15,11 @@
 namespace millpose {
 namespace {
 
+using krl::kAngleDecimals;
+using krl::kLengthDecimals;
+
 constexpr size_t kLongestFile = 24;  // a name, without the file's ending
 constexpr size_t kWidth = 100;
-constexpr int kLengthDecimals = 4;  // 0.00005 mm per coordinate
-constexpr int kAngleDecimals = 6;   // of a degree, of axes and frames: 0.00005 mm at 3 m
 constexpr int kTargetDecimals = 4;  // A, B, C of targets, which turn about the tip: 0.00005 degrees
 
 constexpr double kUpright = 1 * kRadPerDeg;  // a base that was levelled stands within

@@ -11,8 +11,8 @@
 namespace millpose {
 namespace {
 
-constexpr int kLengthDecimals = 4;
-constexpr int kAngleDecimals = 6;
+using krl::kAngleDecimals;
+using krl::kLengthDecimals;
 // How far the controller's frame may be from the cell's; REAL has 24 bits.
 constexpr const char* kLength = "0.01";  // mm
 constexpr const char* kAngle = "0.001";  // degrees
@@ -27,7 +27,7 @@ constexpr const char* kDeclarations =
 
 /// Compares as frames, not number by number: angles are not unique (C 180 and C -180, all of them at B 90).
 /// The loop keeps a start key from going on.
-std::string Check(const std::string& name, const Pose& assumed) {
+std::string CheckOf(const std::string& name, const Pose& assumed) {
   std::string text = fmt::format("MP_OFF = {{FRAME: {}}}\nMP_OFF = INV_POS(MP_OFF):{}\n",
                                  KrlFields(assumed, kAngleDecimals), name);
   for (int i = 1; i <= 3; ++i) text += fmt::format("MP_PAR[{}] = {{PAR_TYPE #EMPTY}}\n", i);
@@ -116,11 +116,11 @@ std::string KrlNotice(const std::string& notice) {
 }
 
 std::string KrlFrameCheck(const KrlOptions& options) {
-  std::string text = options.ersysroot ? Check("$ERSYSROOT", MakePose(options.ersysroot->pose))
-                                       : Check("$ROBROOT", KrlRobroot(options));
+  std::string text = options.ersysroot ? CheckOf("$ERSYSROOT", MakePose(options.ersysroot->pose))
+                                       : CheckOf("$ROBROOT", KrlRobroot(options));
   if (options.external_base)
-    text += Check(fmt::format("MACHINE_DEF[{}].ROOT", options.external_base->machine_def),
-                  MakePose(options.external_base->root));
+    text += CheckOf(fmt::format("MACHINE_DEF[{}].ROOT", options.external_base->machine_def),
+                    MakePose(options.external_base->root));
   return text;
 }
 

@@ -7,6 +7,13 @@
 #include "program/krl/krl_options.hpp"
 #include "program/post.hpp"
 
+namespace millpose::krl {
+
+inline constexpr int kLengthDecimals = 4;  ///< 0.00005 mm per coordinate
+inline constexpr int kAngleDecimals = 6;   ///< of a degree, of axes and frames: 0.00005 mm at 3 m
+
+}  // namespace millpose::krl
+
 namespace millpose {
 
 /// Data of KrlFrameCheck(), among the program's declarations.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads RS-274/NGC as LinuxCNC does, as far as robot programs of millpose and the usual hand edits go.
-#include "base/text.hpp"
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
+#include "program/linuxcnc/linuxcnc_block.hpp"
 #include "program/reader.hpp"
 
 namespace millpose {
@@ -15,40 +15,6 @@ constexpr const char* kFeedMode = "G93 or G94";
 constexpr const char* kKinematics = "the cell's text joints_on or cartesian_on";
 // rs274 of LinuxCNC 2.9 takes 252 characters and says "Command too long" from 253 on, comments included.
 constexpr size_t kLongestLine = 250;
-constexpr double kWholeSlack = 0.99e-4;  // of the interpreter's 0.0001
-constexpr bool kBlanks = true;           // count for nothing, also within numbers
-constexpr double kFarthest = 1e5;        // mm or degrees: nothing that an arm can mean is larger
-
-/// A number of a code, in parts of `parts`: the interpreter takes what is off by up to 0.0001 for it.
-double Whole(double value, double parts) {
-  const double whole = std::round(value * parts) / parts;
-  return std::abs(value - whole) < kWholeSlack ? whole : value;
-}
-
-/// What one block programs. Every letter but G and M stands once.
-struct Block {
-  std::map<char, double> words;  ///< all but G and M
-  std::vector<double> g, m;
-  bool calls = false;  ///< a program of the plant
-
-  bool Has(char letter) const { return words.contains(letter); }
-  bool HasG(double code) const { return std::ranges::find(g, code) != g.end(); }
-  bool HasM(double code) const { return std::ranges::find(m, code) != m.end(); }
-  std::optional<double> Word(char letter) const {
-    const auto found = words.find(letter);
-    return found == words.end() ? std::nullopt : std::optional(found->second);
-  }
-};
-
-/// The modal group of a G code that this reader knows; 0 for one that it does not. LinuxCNC, G-code overview.
-int GroupOf(double g) {
-  static const std::map<double, int> groups = {{0, 2},  {1, 2},    {4, 1},     {10, 1},  {17, 3},    {21, 7},
-                                               {40, 8}, {49, 9},   {59.3, 13}, {61, 14}, {61.1, 14}, {64, 14},
-                                               {90, 4}, {92.1, 1}, {93, 6},    {94, 6}};
-  const auto found = groups.find(g);
-  return found == groups.end() ? 0 : found->second;
-}
-
 class LinuxCncReader : public ProgramReader {
  public:
   LinuxCncReader(const ProgramFiles& files, const Arm& arm, const PostSettings& settings,
@@ -137,8 +103,8 @@ class LinuxCncReader : public ProgramReader {
   void ReadCode(LineScanner& scan) override {
     const size_t start = scan.Next();
     if (scan.Accept("%")) return ReadPercent(scan, start);
-    if (scan.AcceptAddress('N')) scan.ExpectDecimal(kBlanks);
-    Block block;
+    if (scan.AcceptAddress('N')) scan.ExpectDecimal(kLinuxCncBlanks);
+    LinuxCncBlock block;
     while (!scan.AtEnd()) {
       if (scan.Peek() == '(') {
         SkipComment(scan);
@@ -169,55 +135,26 @@ class LinuxCncReader : public ProgramReader {
     scan.Expect(")");
   }
 
-  void ReadWord(LineScanner& scan, Block& block) {
+  void ReadWord(LineScanner& scan, LinuxCncBlock& block) {
     const size_t start = scan.Next();
     std::string arguments;
-    if (const auto name = AcceptCall(scan, arguments)) {
+    if (const auto name = AcceptLinuxCncCall(scan, arguments)) {
       if (!ReadDeclaredCall(scan, start, *name, arguments))
         scan.FailFrom(start, "a call that the cell declares expected");
       block.calls = true;
       return;
     }
-    if (scan.AcceptAddress('G')) return AddG(scan, start, Whole(scan.ExpectDecimal(kBlanks), 10), block);
-    if (scan.AcceptAddress('M')) return AddM(scan, start, Whole(scan.ExpectDecimal(kBlanks), 1), block);
-    for (const char letter : axes_ + "FPQLR") {
-      if (!scan.AcceptAddress(letter)) continue;
-      const double value = scan.ExpectDecimal(kBlanks);
-      if (letter != 'F' && std::abs(value) > kFarthest)  // F may be 1/min of a short block
-        scan.FailFrom(start, fmt::format("a number from {0} to {1} expected", -kFarthest, kFarthest));
-      if (!block.words.emplace(letter, value).second)
-        scan.FailFrom(start, fmt::format("one {} in a block expected", letter));
-      return;
-    }
+    if (scan.AcceptAddress('G')) return block.AddG(scan, start, scan.ExpectDecimal(kLinuxCncBlanks));
+    if (scan.AcceptAddress('M')) return block.AddM(scan, start, scan.ExpectDecimal(kLinuxCncBlanks));
+    if (block.AcceptWord(scan, axes_ + "FPQLR")) return;
     scan.Fail("a word of a milling program expected");
-  }
-
-  static void AddG(const LineScanner& scan, size_t start, double g, Block& block) {
-    const int group = GroupOf(g);
-    if (group == 0)
-      scan.FailFrom(
-          start,
-          "G0, G1, G4, G10, G17, G21, G40, G49, G59.3, G61, G61.1, G64, G90, G92.1, G93 or G94 expected");
-    for (const double other : block.g) {
-      if (GroupOf(other) == group)
-        scan.FailFrom(start, fmt::format("one of G{} and G{} in a block expected", other, g));
-    }
-    block.g.push_back(g);
-  }
-
-  static void AddM(const LineScanner& scan, size_t start, double m, Block& block) {
-    if (m != 0 && m != 1 && m != 2 && m != 30 && m != 62 && m != 63)
-      scan.FailFrom(start, "M0, M1, M2, M30, M62 or M63 expected (spindle and coolant: the cell's texts)");
-    if (!block.m.empty())
-      scan.FailFrom(start, fmt::format("one of M{} and M{} in a block expected", block.m[0], m));
-    block.m.push_back(m);
   }
 
   /// Spindle, coolant, outputs, waits: what a text of the cell may switch.
   bool ReadTextWord(LineScanner& scan) override {
     LineScanner ahead = scan;
     if (ahead.AcceptAddress('M')) {
-      const double code = ahead.ExpectDecimal(kBlanks);
+      const double code = ahead.ExpectDecimal(kLinuxCncBlanks);
       for (const double known : {3, 4, 5, 6, 7, 8, 9, 62, 63, 64, 65, 66, 67, 68}) {
         if (code != known) continue;
         scan = ahead;
@@ -226,36 +163,15 @@ class LinuxCncReader : public ProgramReader {
     }
     for (const char letter : {'S', 'T', 'E', 'L', 'P', 'Q'}) {
       if (!scan.AcceptAddress(letter)) continue;
-      scan.ExpectDecimal(kBlanks);
+      scan.ExpectDecimal(kLinuxCncBlanks);
       return true;
     }
     return false;
   }
 
-  /// O<name> CALL [1] [2], or a user's M101: the name, and its arguments behind `arguments`.
-  static std::optional<std::string> AcceptCall(LineScanner& scan, std::string& arguments) {
-    if (scan.Accept("O<")) {
-      auto name = scan.AcceptName();
-      if (!name) scan.Fail("the name of a program expected");
-      scan.Expect(">");
-      scan.Expect("CALL");
-      while (scan.Accept("[")) {
-        arguments += (arguments.empty() ? "" : ",") + ShortestNumber(scan.ExpectNumber());
-        scan.Expect("]");
-      }
-      return name;
-    }
-    if (const char first = scan.Peek(); first != 'M' && first != 'm') return std::nullopt;
-    for (int code = 100; code < 200; ++code) {
-      const std::string word = fmt::format("M{}", code);
-      if (scan.Accept(word)) return word;
-    }
-    return std::nullopt;
-  }
-
   /// In the order in which the interpreter carries a block out: feed mode, feed, outputs, dwell, settings,
   /// motion, end.
-  void Apply(const LineScanner& scan, size_t start, const Block& block) {
+  void Apply(const LineScanner& scan, size_t start, const LinuxCncBlock& block) {
     CheckParameters(scan, start, block);
     FeedMode(block);
     if (const auto feed = block.Word('F'); feed && inverse_time_ != true) feed_ = *feed;
@@ -269,7 +185,7 @@ class LinuxCncReader : public ProgramReader {
   }
 
   /// Words that belong to a code must not stand without it: the interpreter stops there.
-  void CheckParameters(const LineScanner& scan, size_t start, const Block& block) const {
+  void CheckParameters(const LineScanner& scan, size_t start, const LinuxCncBlock& block) const {
     const bool output = block.HasM(62) || block.HasM(63);
     const auto number = block.Word('P');
     if (output && (!number || *number < 0 || *number != std::floor(*number)))
@@ -285,14 +201,14 @@ class LinuxCncReader : public ProgramReader {
   }
 
   /// G94 sets the feed to 0, also where it holds already.
-  void FeedMode(const Block& block) {
+  void FeedMode(const LinuxCncBlock& block) {
     if (!block.HasG(93) && !block.HasG(94)) return;
     inverse_time_ = block.HasG(93);
     Stated(kFeedMode);
     feed_.reset();
   }
 
-  void Miscellaneous(const LineScanner& scan, size_t start, double m, const Block& block) {
+  void Miscellaneous(const LineScanner& scan, size_t start, double m, const LinuxCncBlock& block) {
     if (m == 0 || m == 1) {
       Allow(scan, start, kOutsideCuts);
       AddHandEvent(ProgramEvent::Kind::kStop, fmt::format("M{}", m));
@@ -300,7 +216,7 @@ class LinuxCncReader : public ProgramReader {
     if (m == 62 || m == 63) AddOutput({static_cast<int>(*block.Word('P')), m == 62, 0, true});
   }
 
-  void Setting(const LineScanner& scan, size_t start, double g, const Block& block) {
+  void Setting(const LineScanner& scan, size_t start, double g, const LinuxCncBlock& block) {
     if (g == 0 || g == 1) {
       motion_ = static_cast<int>(g);
     } else if (g == 61 || g == 61.1) {
@@ -321,7 +237,7 @@ class LinuxCncReader : public ProgramReader {
 
   /// G64 P Q: without P corners are rounded without bound, without Q0 nearly straight points are left out by
   /// up to P.
-  void Rounding(const LineScanner& scan, size_t start, const Block& block) {
+  void Rounding(const LineScanner& scan, size_t start, const LinuxCncBlock& block) {
     const auto bound = block.Word('P'), merged = block.Word('Q');
     if (!bound || *bound <= 0)
       scan.FailFrom(start, "G64 needs P above 0: without it corners are rounded without bound");
@@ -333,7 +249,7 @@ class LinuxCncReader : public ProgramReader {
     Allow(scan, start, kAtStops);
   }
 
-  void NoOffsets(const LineScanner& scan, size_t start, const Block& block) {
+  void NoOffsets(const LineScanner& scan, size_t start, const LinuxCncBlock& block) {
     std::map<char, double> wanted = {{'L', 2}, {'P', 9}, {'R', 0}};
     for (const char letter : axes_) wanted[letter] = 0;
     if (block.words != wanted || block.g.size() != 1 || !block.m.empty())
@@ -342,7 +258,7 @@ class LinuxCncReader : public ProgramReader {
     Allow(scan, start, kOutsideCuts);
   }
 
-  void Move(const LineScanner& scan, const Block& block) {
+  void Move(const LineScanner& scan, const LinuxCncBlock& block) {
     if (motion_ < 0) scan.Fail("G0 or G1 before words of axes expected");
     if (motion_ == 0 && rounds_) scan.Fail("ways between cuts keep to their path: G61.1 before G0 expected");
     const ExternalPosition before = external_;
@@ -355,7 +271,7 @@ class LinuxCncReader : public ProgramReader {
   }
 
   /// In cuts they move along as joints, or where the kinematics counts in them.
-  void MoveExternal(const LineScanner& scan, const Block& block) {
+  void MoveExternal(const LineScanner& scan, const LinuxCncBlock& block) {
     for (const ControllerAxis& axis : settings_.controller_axes) {
       const auto word = block.Word(axis.name.front());
       if (!word && external_known_) continue;
@@ -371,7 +287,7 @@ class LinuxCncReader : public ProgramReader {
   }
 
   /// The six words as they hold: those of this block, else the last ones.
-  Joints Complete(const LineScanner& scan, const Block& block) const {
+  Joints Complete(const LineScanner& scan, const LinuxCncBlock& block) const {
     Joints values = last_.value_or(Joints::Zero());
     for (int i = 0; i < 6; ++i) {
       const auto word = block.Word("XYZABC"[i]);
@@ -393,7 +309,8 @@ class LinuxCncReader : public ProgramReader {
     return ExternalWords(settings_, external_) - ExternalWords(settings_, before);
   }
 
-  void AddTarget(const LineScanner& scan, const Block& block, const ExternalPosition& external_before) {
+  void AddTarget(const LineScanner& scan, const LinuxCncBlock& block,
+                 const ExternalPosition& external_before) {
     const Joints angles = Complete(scan, block);
     const std::optional<Joints> before = SourceLocation();
     if (motion_ == 1 && !before) scan.Fail("G0 expected: where this motion begins is not known");
@@ -412,7 +329,7 @@ class LinuxCncReader : public ProgramReader {
   }
 
   /// A pose of the tool in the robot's base, mm and degrees.
-  void AddPose(const LineScanner& scan, const Block& block, const ExternalPosition& external_before) {
+  void AddPose(const LineScanner& scan, const LinuxCncBlock& block, const ExternalPosition& external_before) {
     const Joints values = Complete(scan, block);
     if (motion_ == 0) scan.Fail("tool poses are approached at a feed: G1 expected");
     const bool moves = !last_ || (values - *last_).head<3>().norm() > 0;

@@ -6,12 +6,12 @@
 #include "program/reader.hpp"
 #include "program/sinumerik/sinumerik.hpp"
 #include "program/sinumerik/sinumerik_block.hpp"
+#include "program/sinumerik/sinumerik_words.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kSamePlace = 1e-9;  // of a frame stated again
-constexpr int kMostOutputs = 1024;   // $A_OUT[n]
 
 class SinumerikReader : public ProgramReader {
  public:
@@ -110,12 +110,13 @@ class SinumerikReader : public ProgramReader {
       SinceTransformation();
       Allow(scan, start, kAtStops);
     } else if (scan.Accept("CYCLE832")) {
-      ReadTolerances(scan);
+      tolerances_ = sinumerik::ReadTolerances(scan);
+      for (const char* word : {"COMPOF", "G642"}) settings_since_.erase(word);
       Allow(scan, start, kAtStops);
     } else if (scan.Accept("MSG")) {
       ReadMessage(scan);
     } else if (scan.Accept("WHEN TRUE DO")) {
-      ReadOutput(scan);
+      AddOutput(sinumerik::ReadOutput(scan));
     } else if (scan.Accept("$P_UIFR")) {
       ReadFrame(scan, start);
       Allow(scan, start, kOutsideCuts);
@@ -124,27 +125,6 @@ class SinumerikReader : public ProgramReader {
     }
     block.StandsAlone(scan, start);
     return true;
-  }
-
-  /// CYCLE832(0.01,_ORI_FINISH,0.01): mm and degrees. With _FINISH the third value counts for nothing: the
-  /// orientation's tolerance is then a setting datum's (SD55443); with _OFF both are the machine's. Which
-  /// compressor and which rounding the cycle switches on is the machine's CUST_832.
-  void ReadTolerances(LineScanner& scan) {
-    scan.Expect("(");
-    const size_t start = scan.Next();
-    const double position = scan.ExpectDecimal();
-    scan.Expect(",");
-    const bool off = scan.Accept("_OFF"), both = !off && scan.Accept("_ORI_FINISH");
-    if (!off && !both) scan.Expect("_FINISH");
-    scan.Expect(",");
-    const double orientation = scan.ExpectDecimal() * kRadPerDeg;
-    scan.Expect(")");
-    if ((!off && position <= 0) || (both && orientation <= 0))
-      scan.FailFrom(start, "tolerances above 0 expected");
-    for (const char* word : {"COMPOF", "G642"}) settings_since_.erase(word);
-    tolerances_ = {};
-    if (!off) tolerances_.position = position;
-    if (both) tolerances_.orientation = orientation;
   }
 
   void ReadMessage(LineScanner& scan) {
@@ -162,39 +142,6 @@ class SinumerikReader : public ProgramReader {
     scan.Expect(")");
   }
 
-  static int ReadWhole(LineScanner& scan, int least, int most) {
-    const size_t start = scan.Next();
-    const double number = scan.ExpectDecimal();
-    if (number < least || number > most || number != std::floor(number))
-      scan.FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
-    return static_cast<int>(number);
-  }
-
-  void ReadOutput(LineScanner& scan) {
-    PathOutput output;
-    scan.Expect("$A_OUT");
-    scan.Expect("[");
-    output.number = ReadWhole(scan, 1, kMostOutputs);
-    scan.Expect("]");
-    scan.Expect("=");
-    output.on = ReadWhole(scan, 0, 1) == 1;
-    AddOutput(output);
-  }
-
-  static Eigen::Vector3d ReadTriple(LineScanner& scan, std::string_view function) {
-    scan.Expect(function);
-    scan.Expect("(");
-    Eigen::Vector3d values;
-    for (int i = 0; i < 3; ++i) {
-      if (i) scan.Expect(",");
-      scan.Expect(std::string(1, "XYZ"[i]));
-      scan.Expect(",");
-      values[i] = scan.ExpectDecimal();
-    }
-    scan.Expect(")");
-    return values;
-  }
-
   /// $P_UIFR[5]=…: takes effect with the next G505.
   void ReadFrame(LineScanner& scan, size_t start) {
     scan.Expect("[");
@@ -204,10 +151,7 @@ class SinumerikReader : public ProgramReader {
       scan.FailFrom(start, fmt::format("$P_UIFR[{}] expected: the cell's settable frame is G{}",
                                        options_.Frame() - 500, options_.Frame()));
     scan.Expect("=");
-    Pose X_BP = Pose::Identity();  // with the coupled axes at 0
-    X_BP.translation() = ReadTriple(scan, "CTRANS");
-    scan.Expect(":");
-    X_BP.linear() = FromAnglesZyx(ReadTriple(scan, "CROT").reverse() * kRadPerDeg);
+    const Pose X_BP = sinumerik::ReadFrame(scan);  // with the coupled axes at 0
     const bool same = program_.X_BP && X_BP.matrix().isApprox(program_.X_BP->matrix(), kSamePlace);
     if (external_.empty() && posed_ && program_.X_BP && !same)
       scan.FailFrom(start, "one frame for all poses of the program expected");
@@ -422,15 +366,13 @@ class SinumerikReader : public ProgramReader {
   std::vector<std::string> external_names_;
   std::array<std::optional<double>, 6> last_;  // X, Y, Z, A, B, C as they hold
   double feed_ = 0;                            // mm/s
-  struct {
-    std::optional<double> position, orientation;  // mm, rad
-  } tolerances_;                                  // of rounded corners
-  std::set<std::string> settings_since_;          // the last TRAORI or TRAFOOF
-  bool frame_known_ = false;                      // the settable frame was set, and no call came since
-  bool posed_ = false;                            // a pose was approached
-  std::optional<bool> transformed_;               // TRAORI holds
-  std::optional<bool> ptp_;                       // PTP holds, not CP
-  int motion_ = -1;                               // of G0 and G1 the one that holds; −1: unknown
+  sinumerik::Tolerances tolerances_;           // of rounded corners
+  std::set<std::string> settings_since_;       // the last TRAORI or TRAFOOF
+  bool frame_known_ = false;                   // the settable frame was set, and no call came since
+  bool posed_ = false;                         // a pose was approached
+  std::optional<bool> transformed_;            // TRAORI holds
+  std::optional<bool> ptp_;                    // PTP holds, not CP
+  int motion_ = -1;                            // of G0 and G1 the one that holds; −1: unknown
 };
 
 }  // namespace

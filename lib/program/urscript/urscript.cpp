@@ -22,7 +22,7 @@ constexpr int kDecimals = 7;  // m, rad, m/s: 0.0001 mm, 0.000006 deg
 constexpr double kHalfTurn = 1e-6;         // rad, that a turn may be short of one
 constexpr double kLevel = 1 * kRadPerDeg;  // a base that was levelled stands within
 
-std::string Numbers(const double* values, int count) {
+std::string Listed(const double* values, int count) {
   std::string text;
   for (int i = 0; i < count; ++i) text += (i ? ", " : "") + Fixed(values[i], kDecimals);
   return text;
@@ -41,7 +41,7 @@ Eigen::Vector3d TurnOf(const Eigen::Matrix3d& rotation) {
 /// "p[x, y, z, rx, ry, rz]": m, and axis times angle in rad.
 std::string PoseLiteral(const Pose& pose) {
   const Eigen::Vector3d place = pose.translation() / 1000, turn = TurnOf(pose.linear());
-  return fmt::format("p[{}, {}]", Numbers(place.data(), 3), Numbers(turn.data(), 3));
+  return fmt::format("p[{}, {}]", Listed(place.data(), 3), Listed(turn.data(), 3));
 }
 
 class UrScriptWriter : public ProgramWriter {
@@ -81,7 +81,7 @@ class UrScriptWriter : public ProgramWriter {
     const Motion& motion = program_.motions[i];
     if (motion.type == MotionType::kLinear) return AddLine(i);
     const Joints angles = settings_.axes.FromArm(*motion.q);
-    Line(fmt::format("movej([{}], a={}, v={})", Numbers(angles.data(), 6),
+    Line(fmt::format("movej([{}], a={}, v={})", Listed(angles.data(), 6),
                      Fixed(UrScriptMovejAcceleration(arm_), 4),
                      Fixed(UrScriptMovejSpeed(arm_, options_), 4)));
   }

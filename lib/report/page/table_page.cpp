@@ -26,10 +26,10 @@ body { margin: 0; padding: 14px 18px 20px; background: var(--ground); color: var
 h1 { font-size: 19px; margin: 0 0 8px; overflow-wrap: anywhere; }
 h2 { font-size: 14px; margin: 0 0 6px; }
 table { border-collapse: collapse; width: 100%; }
-th, td { padding: 5px 9px; border-bottom: 1px solid var(--line); text-align: left; white-space: nowrap; vertical-align: top; }
+th, td { padding: 5px 9px; border-bottom: 1px solid; border-color: var(--line); text-align: left; white-space: nowrap; vertical-align: top; }
 .n { text-align: right; font-variant-numeric: tabular-nums; }
 .bad { color: var(--bad); font-weight: 600; }
-.scroll { overflow-x: auto; background: var(--card); border: 1px solid var(--line); border-radius: 5px; margin-bottom: 10px; }
+.scroll { overflow-x: auto; background: var(--card); border: 1px solid; border-color: var(--line); border-radius: 5px; margin-bottom: 10px; }
 a { color: var(--accent); }
 )html";
 

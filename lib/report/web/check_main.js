@@ -7,7 +7,7 @@
   const vector = (v, digits) => v.map((x) => x.toFixed(digits)).join(", ");
   const cell = (text, numeric) => m.element("td", numeric ? { class: "number" } : {}, text);
 
-  const solid = (text) => m.element("td", { class: "solid" }, text);
+  const solid = (text, as_is) => m.element("td", as_is ? { class: "solid", translate: "no" } : { class: "solid" }, text);
 
   function fillHeader(data) {
     $("job").textContent = data.title;
@@ -41,16 +41,17 @@
     const part = data.part;
     const counted = (all, one) => `${all.length} ${one}${all.length === 1 ? "" : "s"}`;
     rows("faces", part && `${counted(part.faces, "face")} ${part.solid_model ? "of the STEP file" : "between edges that bend by more than 30°"}`, part && part.faces, (f) => [
-      cell(String(f.number), true), solid(f.id), solid(f.kind), solid(f.name), cell(m.format(f.area_mm2, 6), true), cell(vector(f.place_mm, 2), true), cell(vector(f.normal, 3), true)]);
+      cell(String(f.number), true), solid(f.id, true), solid(f.kind), solid(f.name, true), cell(m.format(f.area_mm2, 6), true), cell(vector(f.place_mm, 2), true), cell(vector(f.normal, 3), true)]);
     rows("edges", part && counted(part.edges, "edge"), part && part.edges, (e) => [
       cell(String(e.number), true), cell(e.faces[1] > 0 ? `${e.faces[0]}, ${e.faces[1]}` : `${e.faces[0]}, open border`), cell(e.closed ? "closed" : ""), cell(m.format(e.length_mm, 6), true),
       cell(vector(e.place_mm, 2), true), cell(vector(e.normal, 3), true)]);
   }
 
+  const AS_IS = ["STEP id", "name"];
   // Names and values of what was picked.
   function describe(data, title, lines) {
     $("picked").querySelector("h2").textContent = title;
-    $("picked").querySelector("tbody").replaceChildren(...lines.filter((l) => l[1] !== "").map(([name, value]) => m.element("tr", {}, m.element("th", {}, name), m.element("td", { class: "number" }, value))));
+    $("picked").querySelector("tbody").replaceChildren(...lines.filter((l) => l[1] !== "").map(([name, value]) => m.element("tr", {}, m.element("th", {}, name), m.element("td", AS_IS.includes(name) ? { class: "number", translate: "no" } : { class: "number" }, value))));
   }
   const faceLines = (f) => [["STEP id", f.id], ["name", f.name], ["kind", f.kind], ["area", `${m.format(f.area_mm2, 6)} mm²`], ["place, P", `${vector(f.place_mm, 3)} mm`], ["normal, P", vector(f.normal, 4)],
     ["triangles", String(f.triangles)]];
@@ -140,6 +141,7 @@
     const absent = [...(data.part ? [] : ["part", "region", "edges"]), ...(data.count > 0 ? [] : ["path", "normals"]), ...(data.cell ? [] : ["arm", "cell"])];
     for (const name of absent) $("show-" + name).parentNode.remove();
     if (!data.cell) $("fit-arm").remove();
+    if (!data.part && data.count === 0) $("fit").remove();
     if (!data.part) $("picked").hidden = data.count === 0;
     if (data.part && !data.part.solid_model) document.body.classList.add("mesh");
     $("theme").addEventListener("click", m.toggleTheme);
@@ -148,7 +150,7 @@
       if (/INPUT|SELECT/.test(e.target.tagName) || e.altKey || e.ctrlKey || e.metaKey) return;
       const step = { ArrowRight: 1, ArrowLeft: -1 }[e.key];
       if (step && data.count > 0) select(m.selected === undefined ? 0 : Math.max(0, Math.min(data.count - 1, m.selected + step)));
-      else if (e.key === "f" || (e.key === "a" && data.cell)) $(e.key === "f" ? "fit" : "fit-arm").click();
+      else if ($({ f: "fit", a: "fit-arm" }[e.key])) $({ f: "fit", a: "fit-arm" }[e.key]).click();
       else if (e.key === "d") m.toggleTheme();
       else return;
       e.preventDefault();
@@ -164,6 +166,8 @@
     };
     if (data.part) add(data.part.vertices, data.X_WP);
     add(data.rows.position);
+    // Of a cell alone all that stands in it: its rail is longer than the arm.
+    if (!data.part && data.count === 0) for (const body of data.bodies) if (!["link", "tool"].includes(body.mount)) add(body.vertices, body.X_MG);
     if (data.cell && (withArm || box.isEmpty())) {
       const joints = (m.selected !== undefined && m.jointsOf(data, m.selected)) || data.cell.home_deg;
       for (const f of m.armFrames(data, joints)) box.expandByPoint(new THREE.Vector3(f[3], f[7], f[11]));

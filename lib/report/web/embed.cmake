@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# cmake -DOUTPUT=… -DWEB=<this folder> -DTHREE=three.min.js -DSCRIPTS=a.js,b.js -DCHECK_SCRIPTS=a.js,c.js -DPAGE_WORDS=a.txt -DSHEET_WORDS=b.txt -P embed.cmake
+# cmake -DOUTPUT=… -DWEB=<this folder> -DTHREE=three.min.js -DSCRIPTS=a.js,b.js -DCHECK_SCRIPTS=a.js,c.js -DPAGE_WORDS=a.txt -DCHECK_WORDS=c.txt -DSHEET_WORDS=b.txt -P embed.cmake
 # Writes the front ends of report.html and check.html, and the tables of words, as C++ raw strings.
 function(embed name)
   set(text "")
@@ -25,6 +25,8 @@ list(TRANSFORM SCRIPTS PREPEND ${WEB}/)
 embed(kWebScripts ${SCRIPTS})
 string(REPLACE "," ";" PAGE_WORDS "${PAGE_WORDS}")
 embed(kWordsOfPage ${PAGE_WORDS})
+string(REPLACE "," ";" CHECK_WORDS "${CHECK_WORDS}")
+embed(kWordsOfCheck ${CHECK_WORDS})
 string(REPLACE "," ";" SHEET_WORDS "${SHEET_WORDS}")
 embed(kWordsOfSheet ${SHEET_WORDS})
 string(REPLACE "," ";" CHECK_SCRIPTS "${CHECK_SCRIPTS}")

@@ -81,6 +81,7 @@ std::vector<WordEntry> ParseWords(std::string_view text, const std::string& name
 const WordTable& Words() {
   static const WordTable table = [] {
     std::vector<WordEntry> all = ParseWords(kWordsOfPage, "page");
+    std::ranges::move(ParseWords(kWordsOfCheck, "check"), std::back_inserter(all));
     std::ranges::move(ParseWords(kWordsOfSheet, "sheet"), std::back_inserter(all));
     return WordTable(std::move(all));
   }();
@@ -95,6 +96,15 @@ std::vector<std::string_view> LinesOf(std::string_view text) {
     at = end + 1;
   }
   return lines;
+}
+
+size_t ColumnsOf(std::string_view text) {
+  size_t columns = 0;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte & 0xC0) != 0x80) columns += byte >= 0xE3 && byte < 0xF0 ? 2 : 1;
+  }
+  return columns;
 }
 
 bool HasLetters(std::string_view text) {

@@ -55,6 +55,9 @@ const WordTable& Words();
 /// Without their ends; none after the last "\n".
 std::vector<std::string_view> LinesOf(std::string_view text);
 
+/// Columns that a text takes in a terminal, or in letters of one width: two for each sign of Chinese.
+size_t ColumnsOf(std::string_view text);
+
 /// Whether a text has letters, and not figures and signs alone.
 bool HasLetters(std::string_view text);
 /// One or several figures, with signs, without units.

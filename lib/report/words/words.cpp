@@ -118,22 +118,12 @@ std::vector<std::string_view> Sentences(std::string_view text) {
   return sentences;
 }
 
-/// Columns that a terminal uses: two for each sign of Chinese.
-size_t Columns(std::string_view text) {
-  size_t columns = 0;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if ((byte & 0xC0) != 0x80) columns += byte >= 0xE3 && byte < 0xF0 ? 2 : 1;
-  }
-  return columns;
-}
-
 std::string SayLine(Language language, std::string_view line) {
   // The first word is as wide as its column, or ends at the first blank behind it.
   const size_t end = line.size() > kLabelWidth ? line.find(' ', kLabelWidth) : std::string_view::npos;
   if (end == std::string_view::npos) return Say(language, line);
   std::string label = Say(language, line.substr(0, line.find_last_not_of(' ', end - 1) + 1));
-  const size_t columns = Columns(label);
+  const size_t columns = ColumnsOf(label);
   if (columns < kLabelWidth) label.append(kLabelWidth - columns, ' ');
   return label + ' ' + Say(language, line.substr(end + 1));
 }

@@ -149,6 +149,10 @@ std::vector<std::string> PlanCommand(const BatchJob& job, const fs::path& folder
     command.push_back("--max-points");
     command.push_back(ShortestNumber(job.max_points));
   }
+  if (job.language != Language::kEnglish) {
+    command.push_back("--lang");
+    command.push_back(WordOf(kLanguageWords, job.language));
+  }
   if (const auto& root = job.root.folder()) {
     command.push_back("--root");
     command.push_back(root->string());
@@ -206,11 +210,22 @@ std::string AtManifest(const std::string& cause, const BatchJob& job) {
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
+namespace {
+
+/// Whether the pages of a plan open in a language: its run says what it was asked for, that last.
+bool IsSaidIn(const fs::path& folder, Language language) {
+  const std::string asked = Json::parse(ReadFile(folder / kRunFile)).at("asked").get<std::string>();
+  if (language == Language::kEnglish) return asked.find(" lang ") == std::string::npos;
+  return asked.ends_with(" lang " + std::string(WordOf(kLanguageWords, language)));
+}
+
+}  // namespace
+
 std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) {
   try {
     if (!IsOutputFolder(folder)) return std::nullopt;
     const std::string key = KeyOf(LoadOperations(job.file, job.overrides, job.root), folder);
-    if (!HoldsPlanOf(folder, key)) return std::nullopt;
+    if (!HoldsPlanOf(folder, key) || !IsSaidIn(folder, job.language)) return std::nullopt;
     JobOutcome outcome = Judge(folder, 0, "");
     if (outcome.status > 1) return std::nullopt;
     outcome.up_to_date = true;
@@ -229,7 +244,7 @@ std::vector<std::string> ChangesFrom(const fs::path& baseline, const std::string
   if (!IsOutputFolder(baseline / name)) return {"baseline: has no plan of this job"};
   std::vector<std::string> lines;
   try {
-    for (const Change& change : DiffFolders({baseline / name, folder, root}))
+    for (const Change& change : DiffFolders({baseline / name, folder, root}).changes)
       lines.push_back("baseline: " + change.Text());
   } catch (const InputError& error) {
     return {std::string("baseline: cannot be compared: ") + error.what()};
@@ -246,7 +261,10 @@ std::vector<std::string> ChangesFrom(const fs::path& baseline, const std::string
 
 BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::stop_token stop) {
   std::vector<BatchJob> jobs = CollectJobs(arguments.jobs, arguments.root);
-  for (BatchJob& job : jobs) job.max_points = arguments.max_points;
+  for (BatchJob& job : jobs) {
+    job.max_points = arguments.max_points;
+    job.language = arguments.language;
+  }
   const OutputFolder folder(arguments.out, FolderUse::kResults);
   RefuseLinks(folder.folder(), jobs);
   std::vector<JobOutcome> outcomes;
@@ -270,7 +288,7 @@ BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::
   ResultSet results(folder, kBatchNames);
   results.Add("batch.json", BatchJson(jobs, outcomes));
   results.Add("batch.csv", BatchCsv(jobs, outcomes));
-  results.Add("index.html", BatchIndex(jobs, outcomes));
+  results.Add("index.html", BatchIndex(jobs, outcomes, arguments.language));
   results.Add("junit.xml", JUnitXml(jobs, outcomes));
   results.AddManifest("");
   results.Publish();

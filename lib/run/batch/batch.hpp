@@ -13,6 +13,7 @@
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
 #include "job/config/batch_settings.hpp"
+#include "report/words/words.hpp"
 
 namespace millpose {
 
@@ -35,6 +36,7 @@ struct BatchArguments {
   double max_points = 2e6;            ///< that the tool path of a job may have
   std::filesystem::path baseline;     ///< folder of an earlier batch whose plans these are compared with
   FileRoot root;                      ///< that all files must lie in which jobs and manifests name
+  Language language = Language::kEnglish;  ///< of the index and of each job's pages
   /// Told the jobs that run whenever they change, one call at a time; not with Slurm.
   std::function<void(const std::string& names)> tell_running;
   /// Given what says how long the jobs will still take, s (TimeLeft), and at the end an empty one; not with
@@ -50,6 +52,7 @@ struct BatchJob {
   int shares = 0;   ///< tasks over which its passes are spread; 0: SlurmOptions::shares
   FileRoot root{};  ///< that all its files must lie in
   double max_points = 2e6;
+  Language language = Language::kEnglish;  ///< of its pages
 };
 
 /// What the summary of a finished plan says, for comparing jobs; empty where it has no value.
@@ -105,10 +108,11 @@ std::string AtManifest(const std::string& cause, const BatchJob& job);
 /// The outcome that an earlier run left for the same inputs and version, if it did.
 std::optional<JobOutcome> UpToDate(const BatchJob& job, const std::filesystem::path& folder);
 
-/// batch.json, batch.csv, index.html, junit.xml and the table; pure functions.
+/// batch.json, batch.csv, index.html (in a language), junit.xml and the table; pure functions.
 std::string BatchJson(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
 std::string BatchCsv(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
-std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
+std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes,
+                       Language language = Language::kEnglish);
 std::string JUnitXml(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
 std::string BatchText(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
 

@@ -122,6 +122,17 @@ const char* OutcomeWord(const JobOutcome& outcome) {
   return outcome.status >= 0 && outcome.status < 3 ? words[static_cast<size_t>(outcome.status)] : "failed";
 }
 
+/// Lines of causes and remarks, each as far as the tables have it.
+std::string SayLines(Language language, const std::string& lines) {
+  std::string said;
+  for (size_t at = 0; at < lines.size();) {
+    const size_t end = std::min(lines.find('\n', at), lines.size());
+    said += (said.empty() ? "" : "\n") + Say(language, lines.substr(at, end - at));
+    at = end + 1;
+  }
+  return said;
+}
+
 std::string CellHtml(const Column& column, const JobOutcome& outcome) {
   const std::optional<double> value = column.value(outcome);
   if (!value) return "<td class=\"n\" data-v=\"\">–</td>";
@@ -152,22 +163,24 @@ std::string BatchCsv(const std::vector<BatchJob>& jobs, const std::vector<JobOut
   return csv;
 }
 
-std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes) {
+std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes,
+                       Language language) {
+  const auto say = [&](const std::string& english) { return Escaped(Say(language, english)); };
   const auto count = [&](int lower, int upper) {
     return std::ranges::count_if(outcomes,
                                  [&](const JobOutcome& o) { return o.status >= lower && o.status <= upper; });
   };
-  std::string html = TablePageHead("millpose batch", kStyle) + "<h1>millpose batch</h1>\n";
+  std::string html = TablePageHead("millpose batch", kStyle, language) + "<h1>millpose batch</h1>\n";
   html += fmt::format(
-      "<p>{} jobs: {} done, {} with findings, {} failed. A column's head sorts by it. The same figures: "
-      "<a href=\"batch.csv\">batch.csv</a>, with the run's times <a "
-      "href=\"batch.json\">batch.json</a>.</p>\n",
-      jobs.size(), count(0, 0), count(1, 1), count(2, 255));
+      "<p>{} {}: <a href=\"batch.csv\">batch.csv</a>, {} <a href=\"batch.json\">batch.json</a>.</p>\n",
+      say(fmt::format("{} jobs: {} done, {} with findings, {} failed. A column's head sorts by it.",
+                      jobs.size(), count(0, 0), count(1, 1), count(2, 255))),
+      say("The same figures"), say("with the run's times"));
   html += "<div class=\"scroll\">\n<table>\n<thead><tr>";
   const auto head = [&](const char* kind, const char* title, const char* help) {
     html +=
         fmt::format("<th scope=\"col\" class=\"{}\"><button type=\"button\" title=\"{}\">{}</button></th>",
-                    kind, help, title);
+                    kind, say(help), say(title));
   };
   head("t", "job", "Name; leads to its report");
   head("t", "outcome", "done, findings, bad input, failed");
@@ -189,11 +202,11 @@ std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobO
                 ? fmt::format("<a href=\"{}/report.html\">{}</a>", EscapeUrl(jobs[i].name), name)
                 : name;
     html += fmt::format("</td><td{}>{}</td><td>{}</td>", outcome.status > 0 ? " class=\"bad\"" : "",
-                        OutcomeWord(outcome), Escaped(objective));
+                        say(OutcomeWord(outcome)), Escaped(objective));
     for (const Column& column : Columns()) html += CellHtml(column, outcome);
     std::string told = outcome.cause;
     for (const std::string& remark : outcome.remarks) told += (told.empty() ? "" : "\n") + remark;
-    html += fmt::format("<td class=\"cause\">{}</td></tr>\n", Escaped(told));
+    html += fmt::format("<td class=\"cause\">{}</td></tr>\n", Escaped(SayLines(language, told)));
   }
   return html + kTail;
 }

@@ -75,18 +75,20 @@ std::pair<double, double> ScaleOf(const FoundPlaces& placement) {
   return {least, most > least ? most : least + 1e-9};
 }
 
-std::string Told(const FoundPlaces& placement, const RatedPlace& rated) {
-  const std::string cause = CauseOf(rated.score);
-  std::string text = Describe(rated.score.place) + ": ";
-  if (!rated.score.touches.empty()) return text + "touches " + rated.score.touches;
-  if (rated.worst) text += fmt::format("worst {} ÷ job's own {:.3f}", placement.objective, *rated.worst);
+std::string Told(const FoundPlaces& placement, const RatedPlace& rated, Language language) {
+  const std::string cause = CauseOf(rated.score), place = Describe(rated.score.place) + ": ";
+  if (!rated.score.touches.empty()) return place + Say(language, "touches " + rated.score.touches);
+  std::string text;
+  if (rated.worst)
+    text = Say(language, fmt::format("worst {} ÷ job's own {:.3f}", placement.objective, *rated.worst));
   if (!cause.empty())
-    text += fmt::format("{}{} of {} points free, most others: {}", rated.worst ? ", " : "",
-                        rated.score.free(), rated.score.total(), cause);
-  return text;
+    text += (rated.worst ? ", " : "") +
+            Say(language, fmt::format("{} of {} points free, most others: {}", rated.score.free(),
+                                      rated.score.total(), cause));
+  return place + text;
 }
 
-std::string MapSvg(const FoundPlaces& placement) {
+std::string MapSvg(const FoundPlaces& placement, Language language) {
   const auto [least, most] = ScaleOf(placement);
   const size_t columns = placement.map_columns, rows = placement.map.size() / columns;
   const size_t u = placement.map_coordinates[0], v = placement.map_coordinates[1];
@@ -95,9 +97,9 @@ std::string MapSvg(const FoundPlaces& placement) {
                height = high * static_cast<double>(rows);
   const double left = 52, below = 34;
   std::string svg = fmt::format(
-      "<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" shape-rendering=\"crispEdges\" aria-label=\"Map of "
-      "places\">",
-      left + width + 8, height + below + 8);
+      "<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" shape-rendering=\"crispEdges\" "
+      "aria-label=\"{}\">",
+      left + width + 8, height + below + 8, Escaped(Say(language, "Map of places")));
   for (size_t i = 0; i < placement.map.size(); ++i) {
     const size_t row = i / columns;
     const RatedPlace& rated = placement.map[i];
@@ -108,7 +110,7 @@ std::string MapSvg(const FoundPlaces& placement) {
         left + static_cast<double>(i % columns) * cell, 4 + height - static_cast<double>(row + 1) * high,
         cell + 0.3, high + 0.3,
         all ? Colour((*rated.worst - least) / (most - least)) : CauseColour(CauseOf(rated.score)),
-        Escaped(Told(placement, rated)));
+        Escaped(Told(placement, rated, language)));
   }
   const auto at = [&](const PoseSettings& place) {
     const double u0 = ShownCoordinate(placement.map.front().score.place, u),
@@ -130,7 +132,7 @@ std::string MapSvg(const FoundPlaces& placement) {
         p.x(), p.y(), p.x() + 8, p.y() - 6, Escaped(name));
   };
   for (size_t i = 0; i < placement.plans.size(); ++i)
-    mark(placement.plans[i].place, i == 0 ? "job" : fmt::format("{}", i));
+    mark(placement.plans[i].place, i == 0 ? Say(language, "job") : fmt::format("{}", i));
   const auto tick = [&](double x, double y, const char* anchor, double value) {
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"11\" text-anchor=\"{}\">{}</text>", x, y,
                        anchor, ShortestNumber(value));
@@ -149,12 +151,13 @@ std::string MapSvg(const FoundPlaces& placement) {
   return svg + "</svg>";
 }
 
-std::string MapLegend(const FoundPlaces& placement) {
+std::string MapLegend(const FoundPlaces& placement, Language language) {
   const auto [least, most] = ScaleOf(placement);
   std::string text = "<div class=\"legend\">";
   for (int i = 0; i < 5; ++i)
-    text += fmt::format("<span><i style=\"background:{}\"></i>{:.2f}{}</span>", Colour(i / 4.0),
-                        least + (most - least) * i / 4.0, i == 4 ? " and more" : "");
+    text += fmt::format("<span><i style=\"background:{}\"></i>{}</span>", Colour(i / 4.0),
+                        Escaped(Say(language, fmt::format("{:.2f}{}", least + (most - least) * i / 4.0,
+                                                          i == 4 ? " and more" : ""))));
   std::vector<std::string> causes;
   for (const RatedPlace& rated : placement.map) {
     const std::string cause = CauseOf(rated.score);
@@ -162,8 +165,8 @@ std::string MapLegend(const FoundPlaces& placement) {
   }
   std::ranges::sort(causes);
   for (const std::string& cause : causes)
-    text += fmt::format("<span><i style=\"background:{}\"></i>{}{}</span>", CauseColour(cause),
-                        CauseColours().contains(cause) ? "" : "touches ", Escaped(cause));
+    text += fmt::format("<span><i style=\"background:{}\"></i>{}</span>", CauseColour(cause),
+                        Escaped(Say(language, (CauseColours().contains(cause) ? "" : "touches ") + cause)));
   return text + "</div>";
 }
 
@@ -184,15 +187,17 @@ std::vector<Vector2d> Outline(const std::vector<Vector3d>& points, const Pose& X
 }
 
 /// The robot's base, the part where the job has it and where it is best, and the sampled points.
-std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
+std::string ViewSvg(const FoundPlaces& placement, int u, int v, Language language) {
   struct Drawn {
     std::vector<Vector2d> outline, points;
     std::string name, colour;
   };
   std::vector<Drawn> all;
   const auto add = [&](const Pose& X, const std::string& name, const char* colour) {
-    Drawn drawn{
-        Outline(placement.part.empty() ? placement.sample : placement.part, X, u, v), {}, name, colour};
+    Drawn drawn{Outline(placement.part.empty() ? placement.sample : placement.part, X, u, v),
+                {},
+                Say(language, name),
+                colour};
     for (const Vector3d& point : placement.sample) {
       const Vector3d at = X * point;
       drawn.points.emplace_back(at[u], at[v]);
@@ -201,7 +206,7 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
   };
   std::vector<std::pair<Vector2d, std::string>> bases;
   const auto add_base = [&](const Vector3d& at, const std::string& name) {
-    bases.emplace_back(Vector2d(at[u], at[v]), name);
+    bases.emplace_back(Vector2d(at[u], at[v]), Escaped(Say(language, name)));
   };
   const PoseSettings& own = placement.plans.front().place;
   const PoseSettings& best = placement.plans[placement.recommended].place;
@@ -211,7 +216,7 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
     if (placement.recommended > 0 && !placement.split) add_base(best.position, "robot, best");
   } else {
     add(MakePose(own), "job's own", "#8a8f98");
-    if (placement.recommended > 0 && !placement.split) add(MakePose(best), "best", "#2b7de0");
+    if (placement.recommended > 0 && !placement.split) add(MakePose(best), "best place", "#2b7de0");
     add_base(placement.base, "robot base");
   }
   if (placement.split)
@@ -232,9 +237,9 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
   const auto to = [&](const Vector2d& p) {
     return Vector2d((p.x() - lower.x()) * scale, (upper.y() - p.y()) * scale);
   };
-  std::string svg =
-      fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"Part and robot\">",
-                  (upper.x() - lower.x()) * scale, (upper.y() - lower.y()) * scale);
+  std::string svg = fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">",
+                                (upper.x() - lower.x()) * scale, (upper.y() - lower.y()) * scale,
+                                Escaped(Say(language, "Part and robot")));
   for (const auto& [at, name] : bases) {
     const Vector2d b = to(at);
     svg += fmt::format(
@@ -266,32 +271,38 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
 
 }  // namespace
 
-std::string PlacementPage(const FoundPlaces& placement) {
+std::string PlacementPage(const FoundPlaces& placement, Language language) {
+  const auto say = [&](const std::string& english) { return Escaped(Say(language, english)); };
   const size_t u = placement.map_coordinates[0], v = placement.map_coordinates[1];
   const bool lengths = u < 3 && v < 3 && u != v;
   const int across = lengths ? static_cast<int>(u) : 0, up = lengths ? static_cast<int>(v) : 1;
-  std::string text = TablePageHead(placement.job + ": places", kStyle) +
-                     fmt::format("<h1>{}: where it may be placed</h1>", Escaped(placement.job));
+  const char* which = placement.recommended > 0 ? "best" : "job's own";
+  std::string text = TablePageHead(Say(language, placement.job + ": places"), kStyle, language) + "<h1>" +
+                     say(placement.job + ": where it may be placed") + "</h1>";
   const bool none = placement.recommended == 0 && !placement.split;
+  text += fmt::format("<section><h2>{}</h2><p>{}</p>{}</section>", say("Planned completely"),
+                      say(std::string("÷: compared with the job's own place, below 1 is stiffer.") +
+                          (none ? " No place that was planned is better than the job's own." : "")),
+                      PlansTable(placement, language));
+  text += StationsSection(placement, language);
   text += fmt::format(
-      "<section><h2>Planned completely</h2><p>÷: compared with the job's own place, "
-      "below 1 is stiffer.{}</p>{}</section>",
-      none ? " No place that was planned is better than the job's own." : "", PlansTable(placement));
-  text += StationsSection(placement);
+      "<div class=\"two\"><section><h2>{}</h2><p>{}</p>{}{}</section>",
+      say(fmt::format("Worst {} ÷ the job's own place, by {} sampled points", placement.objective,
+                      placement.own.score.total())),
+      say(fmt::format(
+          "Other coordinates as in the {} place. Grey: what keeps the part, or most of its points, "
+          "from there.",
+          which)),
+      MapSvg(placement, language), MapLegend(placement, language));
+  text += fmt::format("<section><h2>{}</h2><p>{}</p>{}</section></div>",
+                      say(fmt::format("Part and robot, seen along {}",
+                                      std::string("xyz").substr(static_cast<size_t>(3 - across - up), 1))),
+                      say(placement.robot ? "In the world; dots: sampled points."
+                                          : "In the frame of workpiece.pose; dots: sampled points."),
+                      ViewSvg(placement, across, up, language));
   text += fmt::format(
-      "<div class=\"two\"><section><h2>Worst {} ÷ the job's own place, by {} sampled points</h2>"
-      "<p>Other coordinates as in the {} place. Grey: what keeps the part, or most of its points, from "
-      "there.</p>{}{}</section>",
-      Escaped(placement.objective), placement.own.score.total(),
-      placement.recommended > 0 ? "best" : "job's own", MapSvg(placement), MapLegend(placement));
-  text += fmt::format(
-      "<section><h2>Part and robot, seen along {}</h2><p>In {}; dots: sampled "
-      "points.</p>{}</section></div>",
-      std::string("xyz").substr(static_cast<size_t>(3 - across - up), 1),
-      placement.robot ? "the world" : "the frame of workpiece.pose", ViewSvg(placement, across, up));
-  text += fmt::format(
-      "<section><h2>Near the {} place</h2><p>How well it must be met, by the sampled points.</p>{}</section>",
-      placement.recommended > 0 ? "best" : "job's own", NearbyTable(placement.sensitivity));
+      "<section><h2>{}</h2><p>{}</p>{}</section>", say(fmt::format("Near the {} place", which)),
+      say("How well it must be met, by the sampled points."), NearbyTable(placement.sensitivity, language));
   return text + "</body>\n</html>\n";
 }
 

@@ -2,6 +2,7 @@
 // What `millpose place` found, as a value, and its texts.
 #pragma once
 
+#include "report/words/words.hpp"
 #include "run/placement/plan_place.hpp"
 #include "run/placement/rater.hpp"
 #include "run/placement/station_search.hpp"
@@ -73,6 +74,6 @@ std::string PlacementMapVtk(const FoundPlaces& placement);
 std::string PlacementJson(const FoundPlaces& placement);
 /// The screenful for the user; `placed`: the files that were written, if some were.
 std::string PlacementText(const FoundPlaces& placement, const std::vector<std::string>& placed);
-std::string PlacementPage(const FoundPlaces& placement);
+std::string PlacementPage(const FoundPlaces& placement, Language language = Language::kEnglish);
 
 }  // namespace millpose

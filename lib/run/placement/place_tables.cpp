@@ -12,23 +12,29 @@ std::string TableCell(const std::optional<double>& value) {
   return value ? fmt::format("<td>{:.3f}</td>", *value) : "<td>–</td>";
 }
 
-std::string Head(const FoundPlaces& placement, const char* first) {
-  std::string text = fmt::format(
-      "<div class=\"scroll\"><table><thead><tr><th>{}</th><th>points</th><th>gaps</th>"
-      "<th>worst {} ÷</th><th>median ÷</th><th>worst |cF| ÷</th><th>worst |n'cF| ÷</th>"
-      "<th>clearance, mm</th>",
-      first, Escaped(placement.objective));
+std::string SaidHere(Language language, const std::string& english) {
+  return Escaped(Say(language, english));
+}
+
+std::string Head(const FoundPlaces& placement, const char* first, Language language) {
+  std::string text = "<div class=\"scroll\"><table><thead><tr>";
+  for (const std::string& column :
+       {std::string(first), std::string("points"), std::string("gaps"),
+        fmt::format("worst {} ÷", placement.objective), std::string("median ÷"), std::string("worst |cF| ÷"),
+        std::string("worst |n'cF| ÷"), std::string("clearance, mm")})
+    text += "<th>" + SaidHere(language, column) + "</th>";
   for (const auto& [controller, seconds] : placement.plans.front().cycle)
     text += "<th>" + Escaped(controller) + ", h:min:s</th>";
   return text + "</tr></thead><tbody>";
 }
 
 /// A plan's row; `name` is HTML.
-std::string Row(const FoundPlaces& placement, const PlannedPlace& plan, const std::string& name, bool best) {
+std::string Row(const FoundPlaces& placement, const PlannedPlace& plan, const std::string& name, bool best,
+                Language language) {
   const PlannedPlace& own = placement.plans.front();
-  std::string text =
-      fmt::format("<tr{}><td>{}</td><td>{} of {}</td><td>{} of {}</td>", best ? " class=\"best\"" : "", name,
-                  plan.planned, plan.points, plan.gaps_planned, plan.gaps);
+  std::string text = fmt::format("<tr{}><td>{}</td><td>{}</td><td>{}</td>", best ? " class=\"best\"" : "",
+                                 name, SaidHere(language, fmt::format("{} of {}", plan.planned, plan.points)),
+                                 SaidHere(language, fmt::format("{} of {}", plan.gaps_planned, plan.gaps)));
   text += TableCell(RatioOf(plan.worst, own.worst)) + TableCell(RatioOf(plan.median, own.median)) +
           TableCell(RatioOf(plan.length, own.length)) + TableCell(RatioOf(plan.normal, own.normal));
   text += plan.clearance ? fmt::format("<td>{:.1f}</td>", *plan.clearance) : "<td>–</td>";
@@ -50,48 +56,55 @@ std::string CoordinateLabel(size_t coordinate) {
   return key.substr(0, 1) + (coordinate < 3 ? ", mm" : ", °");
 }
 
-std::string PlansTable(const FoundPlaces& placement) {
-  std::string text = Head(placement, "place");
+std::string PlansTable(const FoundPlaces& placement, Language language) {
+  std::string text = Head(placement, "place", language);
   for (size_t i = 0; i < placement.plans.size(); ++i)
-    text +=
-        Row(placement, placement.plans[i], Linked(placement.plans[i], i == 0 ? "job" : fmt::format("{}", i)),
-            i > 0 && i == placement.recommended && !placement.split);
+    text += Row(placement, placement.plans[i],
+                Linked(placement.plans[i], i == 0 ? Say(language, "job") : fmt::format("{}", i)),
+                i > 0 && i == placement.recommended && !placement.split, language);
   return text + "</tbody></table></div>";
 }
 
-std::string NearbyTable(const std::vector<Sensitivity>& sensitivity) {
-  std::string text =
-      "<table><thead><tr><th>coordinate</th><th>changed by</th><th>points free</th><th>worst "
-      "÷</th></tr></thead><tbody>";
+std::string NearbyTable(const std::vector<Sensitivity>& sensitivity, Language language) {
+  std::string text = "<table><thead><tr>";
+  for (const char* column : {"coordinate", "changed by", "points free", "worst ÷"})
+    text += "<th>" + SaidHere(language, column) + "</th>";
+  text += "</tr></thead><tbody>";
   for (const Sensitivity& one : sensitivity)
-    text +=
-        fmt::format("<tr><td>{}</td><td>{:+g}</td><td>{} of {}</td>{}</tr>", CoordinateLabel(one.coordinate),
-                    one.by, one.rated.score.free(), one.rated.score.total(), TableCell(one.rated.worst));
+    text += fmt::format(
+        "<tr><td>{}</td><td>{:+g}</td><td>{}</td>{}</tr>", CoordinateLabel(one.coordinate), one.by,
+        SaidHere(language, fmt::format("{} of {}", one.rated.score.free(), one.rated.score.total())),
+        TableCell(one.rated.worst));
   return text + "</tbody></table>";
 }
 
-std::string StationsSection(const FoundPlaces& placement) {
+std::string StationsSection(const FoundPlaces& placement, Language language) {
   if (placement.splits.empty()) return "";
   const Eigen::Vector3d& along = placement.split_rule->along;
-  std::string text = fmt::format(
-      "<section><h2>Split between stations</h2><p>Along ({}, {}, {}) of the part; neighbours overlap by {} "
-      "mm. "
-      "{}</p>",
-      ShortestNumber(along.x()), ShortestNumber(along.y()), ShortestNumber(along.z()),
-      ShortestNumber(placement.split_rule->overlap), placement.split ? "" : "No split is worth moving for.");
-  text += Head(placement, "stations");
+  std::string text =
+      "<section><h2>" + SaidHere(language, "Split between stations") + "</h2><p>" +
+      SaidHere(language, fmt::format("Along ({}, {}, {}) of the part; neighbours overlap by {} mm.{}",
+                                     ShortestNumber(along.x()), ShortestNumber(along.y()),
+                                     ShortestNumber(along.z()), ShortestNumber(placement.split_rule->overlap),
+                                     placement.split ? "" : " No split is worth moving for.")) +
+      "</p>";
+  text += Head(placement, "stations", language);
   for (size_t i = 0; i < placement.splits.size(); ++i) {
     const PlannedSplit& split = placement.splits[i];
     const bool best = placement.split && i == *placement.split;
-    text += Row(placement, split.Whole(), fmt::format("{} stations", split.stations.size()), best);
+    text += Row(placement, split.Whole(),
+                SaidHere(language, fmt::format("{} stations", split.stations.size())), best, language);
     for (const PlannedStation& station : split.stations)
-      text += Row(placement, station.plan, Linked(station.plan, SpanText(station.share)), false);
+      text += Row(placement, station.plan, Linked(station.plan, Say(language, SpanText(station.share))),
+                  false, language);
   }
   text += "</tbody></table></div>";
   if (placement.split)
     for (const PlannedStation& station : placement.splits[*placement.split].stations)
-      text += fmt::format("<p>How well the station {} must be met:</p>{}", SpanText(station.share),
-                          NearbyTable(station.sensitivity));
+      text += fmt::format(
+          "<p>{}</p>{}",
+          SaidHere(language, fmt::format("How well the station {} must be met:", SpanText(station.share))),
+          NearbyTable(station.sensitivity, language));
   return text + "</section>";
 }
 

@@ -10,13 +10,13 @@ namespace millpose {
 std::string CoordinateLabel(size_t coordinate);
 
 /// Places that were planned whole.
-std::string PlansTable(const FoundPlaces& placement);
+std::string PlansTable(const FoundPlaces& placement, Language language);
 
 /// How well a place must be met.
-std::string NearbyTable(const std::vector<Sensitivity>& sensitivity);
+std::string NearbyTable(const std::vector<Sensitivity>& sensitivity, Language language);
 
 /// The splits that were planned, and how well the stations of the recommended one must be met; empty where
 /// one place was asked for.
-std::string StationsSection(const FoundPlaces& placement);
+std::string StationsSection(const FoundPlaces& placement, Language language);
 
 }  // namespace millpose

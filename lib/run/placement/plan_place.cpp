@@ -111,6 +111,7 @@ PlanArguments AsPlan(const PlaceArguments& arguments, const fs::path& out) {
   plan.overrides = arguments.overrides;
   plan.max_points = arguments.max_points;
   plan.root = arguments.root;
+  plan.language = arguments.language;
   return plan;
 }
 

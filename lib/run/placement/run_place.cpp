@@ -296,7 +296,7 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
   run.told = PlacementText(found, placed);
   ResultSet results(folder, kPlaceNames);
   results.Add("placement.json", PlacementJson(found));
-  results.Add("placement.html", PlacementPage(found));
+  results.Add("placement.html", PlacementPage(found, arguments.language));
   results.Add("places.csv", PlacesCsv(found.places));
   results.Add("map.csv", PlacesCsv(found.map));
   results.Add("map.vtk", PlacementMapVtk(found));

@@ -2,6 +2,7 @@
 // `millpose place`: where the part should stand (docs/placement.md).
 #pragma once
 
+#include "report/words/words.hpp"
 #include "run/pipeline/operations/run_job.hpp"
 
 namespace millpose {
@@ -14,6 +15,7 @@ struct PlaceArguments {
   std::vector<Override> overrides;           ///< of settings of the job
   double max_points = 2e6;                   ///< that the tool path may have
   FileRoot root;                             ///< that all files must lie in
+  Language language = Language::kEnglish;    ///< of the pages
 };
 
 /// Looks for a place by a sample of the job's points, plans the best ones and the job's own whole, and writes

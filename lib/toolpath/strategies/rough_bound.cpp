@@ -72,13 +72,46 @@ RoughBound::RoughBound(const std::vector<Triangle>& part, const CutterShape& cut
       low = std::max(low, high);
     }
   }
+  DropCovered();
+  for (const Shadow& shadow : shadows_) largest_ = std::max(largest_, shadow.radius);
+  tree_ = TreeOf(shadows_);
+}
+
+Bvh RoughBound::TreeOf(const std::vector<Shadow>& shadows) {
   std::vector<Eigen::AlignedBox3d> boxes;
-  for (const Shadow& shadow : shadows_) {
-    largest_ = std::max(largest_, shadow.radius);
+  for (const Shadow& shadow : shadows) {
     Eigen::AlignedBox3d& box = boxes.emplace_back();
-    for (const Vector2d& corner_of : shadow.corners) box.extend(Vector3d(corner_of.x(), corner_of.y(), 0));
+    for (const Vector2d& corner : shadow.corners) box.extend(Vector3d(corner.x(), corner.y(), 0));
   }
-  tree_ = Bvh(boxes);
+  return Bvh(boxes);
+}
+
+// Both are convex: where a shadow's corners are nearer to a wider one than what that is wider by, all of it
+// is, and no place has less room for it. So of a steep wall one band in fifty stays.
+void RoughBound::DropCovered() {
+  constexpr double kSurely = 1e-6;  // mm, so that no last bit of any room changes
+  std::vector<Shadow> widest;
+  double radius = 0;
+  for (const Shadow& shadow : shadows_) radius = std::max(radius, shadow.radius);
+  std::ranges::copy_if(shadows_, std::back_inserter(widest),
+                       [&](const Shadow& s) { return s.radius == radius; });
+  const Bvh tree = TreeOf(widest);
+  std::erase_if(shadows_, [&](const Shadow& shadow) {
+    const double wider = radius - shadow.radius - kSurely;
+    if (wider < 0) return false;
+    const Vector3d first(shadow.corners[0].x(), shadow.corners[0].y(), 0);
+    bool covered = false;
+    tree.ForEachWhere(
+        [&](const Eigen::AlignedBox3d& box) {
+          return !covered && box.squaredExteriorDistance(first) <= wider * wider;
+        },
+        [&](int i) {
+          covered = covered || std::ranges::all_of(shadow.corners, [&](const Vector2d& corner) {
+                      return DistanceFrom(widest[static_cast<size_t>(i)].corners, corner) <= wider;
+                    });
+        });
+    return covered;
+  });
 }
 
 void RoughBound::Add(const Triangle& triangle, double low, double high, double radius) {

@@ -31,6 +31,9 @@ class RoughBound {
   };
 
   void Add(const Triangle& triangle, double low, double high, double radius);
+  /// Drops the shadows that one of the widest covers.
+  void DropCovered();
+  static Bvh TreeOf(const std::vector<Shadow>& shadows);
 
   std::vector<Shadow> shadows_;
   double largest_ = 0;  ///< of their radii

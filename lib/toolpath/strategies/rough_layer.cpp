@@ -26,6 +26,7 @@ class Clearing {
         room_(room),
         tops_(tops),
         options_(options),
+        air_(material, room),
         tried_(grid_.size(), 0),
         seen_(grid_.size(), 0),
         given_up_(grid_.size(), 0) {}
@@ -136,10 +137,10 @@ class Clearing {
 
   bool GoOn() {
     if (layer_.passes.empty()) return false;
-    if (RoughAirWay(material_, room_, at_, [this](int cell) { return Cuts(cell); }).empty()) return false;
-    // Where the front begins need not be what was reached first. What is free is as before the cut until
-    // Refresh().
-    const auto way = RoughAirWay(material_, room_, at_, [this](int cell) { return cell == begin_; });
+    air_.Begin(at_);
+    if (air_.Find([this](int cell) { return Cuts(cell); }) < 0) return false;
+    // Where the front begins need not be what was reached first.
+    const auto way = air_.WayTo(begin_);
     if (way.empty()) {
       layer_.passes.emplace_back();
       Append({grid_.CentreOf(begin_)}, 0, RoughMotion::kAir);
@@ -158,10 +159,12 @@ class Clearing {
     for (const auto& [away, cell] : cells) {
       if (!Cuts(cell)) continue;
       const Vector2d begin = grid_.CentreOf(begin_);
-      std::vector<Vector2d> way = RoughAirWay(material_, room_, begin, [this](int other) {
+      air_.Begin(begin);
+      const int beside = air_.Find([this](int other) {
         return material_.Distance(other) >= options_.cutter.radius + kBesideMaterial;
       });
-      if (way.empty()) way = {begin};
+      std::vector<Vector2d> way{begin};
+      if (beside >= 0) way = air_.WayTo(beside);
       std::ranges::reverse(way);
       layer_.passes.emplace_back();
       Append(way, 0, RoughMotion::kAir);
@@ -250,6 +253,7 @@ class Clearing {
   const RoughRoom& room_;
   const std::vector<float>& tops_;
   const RoughLayerOptions& options_;
+  RoughAir air_;
   std::vector<char> tried_;  ///< the front there was looked at
   std::vector<int> seen_;    ///< by the last walk along a front that came there
   int walk_ = 0;

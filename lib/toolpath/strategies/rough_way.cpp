@@ -56,34 +56,53 @@ std::vector<Vector2d> Straightened(const RoughMaterial& material, const RoughRoo
 
 }  // namespace
 
-std::vector<Vector2d> RoughAirWay(const RoughMaterial& material, const RoughRoom& room, const Vector2d& from,
-                                  const std::function<bool(int)>& take) {
-  const RoughGrid& grid = material.grid();
-  const int first = OpenCellBy(material, room, from);
-  if (first < 0) return {};
-  std::vector<int> before(grid.size(), -1), queue{first};
-  before[static_cast<size_t>(first)] = first;
-  for (size_t next = 0; next < queue.size(); ++next) {
-    const int cell = queue[next];
-    if (take(cell)) {
-      std::vector<Vector2d> way;
-      for (int at = cell; at != first; at = before[static_cast<size_t>(at)]) way.push_back(grid.CentreOf(at));
-      way.push_back(from);
-      std::ranges::reverse(way);
-      return Straightened(material, room, way);
-    }
-    constexpr std::array<std::array<int, 2>, 8> kAround{
-        {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
-    for (const auto& [j, i] : kAround) {
-      const int column = cell % grid.columns + j, row = cell / grid.columns + i;
-      if (!grid.Has(column, row)) continue;
-      const int other = grid.At(column, row);
-      if (before[static_cast<size_t>(other)] >= 0 || !IsFreeCell(material, room, other)) continue;
-      before[static_cast<size_t>(other)] = cell;
-      queue.push_back(other);
-    }
+RoughAir::RoughAir(const RoughMaterial& material, const RoughRoom& room)
+    : material_(material), room_(room), before_(material.grid().size(), -1) {}
+
+void RoughAir::Begin(const Vector2d& from) {
+  for (const int cell : queue_) before_[static_cast<size_t>(cell)] = -1;
+  queue_.clear();
+  next_ = 0;
+  from_ = from;
+  const int first = OpenCellBy(material_, room_, from);
+  if (first < 0) return;
+  queue_.push_back(first);
+  before_[static_cast<size_t>(first)] = first;
+}
+
+int RoughAir::Next() {
+  constexpr std::array<std::array<int, 2>, 8> kAround{
+      {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
+  if (next_ >= queue_.size()) return -1;
+  const RoughGrid& grid = material_.grid();
+  const int cell = queue_[next_++];
+  const int own_column = cell % grid.columns, own_row = cell / grid.columns;
+  for (const auto& [j, i] : kAround) {
+    if (!grid.Has(own_column + j, own_row + i)) continue;
+    const int other = grid.At(own_column + j, own_row + i);
+    if (before_[static_cast<size_t>(other)] >= 0 || !IsFreeCell(material_, room_, other)) continue;
+    before_[static_cast<size_t>(other)] = cell;
+    queue_.push_back(other);
   }
-  return {};
+  return cell;
+}
+
+int RoughAir::Find(const std::function<bool(int)>& take) {
+  for (;;) {
+    const int cell = Next();
+    if (cell < 0 || take(cell)) return cell;
+  }
+}
+
+std::vector<Vector2d> RoughAir::WayTo(int cell) {
+  while (before_[static_cast<size_t>(cell)] < 0)
+    if (Next() < 0) return {};
+  std::vector<Vector2d> way;
+  for (; cell != queue_.front(); cell = before_[static_cast<size_t>(cell)])
+    way.push_back(material_.grid().CentreOf(cell));
+  way.push_back(from_);
+  std::ranges::reverse(way);
+  return Straightened(material_, room_, way);
 }
 
 std::vector<Vector2d> RoughThinned(std::span<const Vector2d> way, const RoughRoom& room, double tolerance) {

@@ -214,11 +214,30 @@ TEST(CheckJob, RefusesWhatPlanWouldRefuseInTheSameWords) {
 
 TEST(CheckJob, ThePageIsWrittenWhereItIsAskedFor) {
   const TestFolder folder("check");
-  CheckJob(SmallInputs(), {.threads = 1, .view = folder.path() / "page.html"}, Silent(), {});
+  CheckJob(SmallInputs(), {.threads = 1, .view = PageTarget{folder.path() / "page.html"}}, Silent(), {});
   const std::string page = folder.Read("page.html");
   EXPECT_NE(page.find("support_pad"), std::string::npos);
-  CheckCell({.cell = SamplePath("cells/kr500_r2830.yaml"), .view = folder.path() / "cell.html"});
+  CheckCell({.cell = SamplePath("cells/kr500_r2830.yaml"), .view = PageTarget{folder.path() / "cell.html"}});
   EXPECT_GT(folder.Read("cell.html").size(), 10000u);
+}
+
+TEST(CheckCell, NamesEveryExternalAxisInTheUnitsOfTheCell) {
+  const CellCheck rail = CheckCell({.cell = SamplePath("cells/irb6640_rail.yaml")});
+  EXPECT_NE(
+      ToText(rail).find("external axis       rail: linear, carries the robot, -2000 to 2000 mm, home 0 mm, "
+                        "1000 mm/s, 500 mm/s², yields\n"),
+      std::string::npos)
+      << ToText(rail);
+  const CellCheck table = CheckCell({.cell = SamplePath("cells/irb6640_turntable.yaml")});
+  ASSERT_EQ(table.external_axes.size(), 1u);
+  const ExternalAxis& axis = table.external_axes.front();
+  EXPECT_NE(ToText(table).find(fmt::format("{}: rotary, carries the workpiece, {:.6g} to {:.6g} deg",
+                                           axis.name, RadToDeg(axis.lower), RadToDeg(axis.upper))),
+            std::string::npos)
+      << ToText(table);
+  EXPECT_NE(ToJson(table).find("\"carries\": \"workpiece\""), std::string::npos);
+  EXPECT_EQ(ToText(CheckCell({.cell = SamplePath("cells/kr500_r2830.yaml")})).find("external axis"),
+            std::string::npos);
 }
 
 TEST(SurfaceStage, OfAStepFileSaysWhatItMayTake) {

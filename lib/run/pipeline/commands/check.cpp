@@ -41,19 +41,24 @@ void MeasureBends(const Mesh& mesh, MeshCheck& check) {
   check.median_bend = bends[bends.size() / 2];
 }
 
-// By diameter, to 0.001 mm.
+// By diameter, to 0.001 mm; diameters that differ by rounding alone count as one.
 void CountHoles(const Mesh& mesh, MeshCheck& check) {
+  constexpr double kSame = 0.0015;                             // mm
   constexpr double kCrease = DegToRad(30), kTolerance = 0.05;  // as strategy drill has them by default
-  std::map<long, MeshCheck::Holes> found;
-  for (const RoundHole& hole : FindRoundHoles(mesh, kCrease, kTolerance)) {
-    const long micrometres = std::lround(1e3 * hole.diameter);
-    MeshCheck::Holes& holes = found[micrometres];
-    holes.diameter = static_cast<double>(micrometres) / 1e3;
+  std::vector<RoundHole> found = FindRoundHoles(mesh, kCrease, kTolerance);
+  std::ranges::sort(found, {}, &RoundHole::diameter);
+  double least = 0;  // of the diameters that count as one
+  for (const RoundHole& hole : found) {
+    if (check.holes.empty() || hole.diameter > least + kSame) {
+      least = hole.diameter;
+      check.holes.push_back({});
+      check.holes.back().diameter = std::round(1e3 * least) / 1e3;
+    }
+    MeshCheck::Holes& holes = check.holes.back();
     ++(hole.kind == HoleKind::kBlind     ? holes.blind
        : hole.kind == HoleKind::kThrough ? holes.through
                                          : holes.rims);
   }
-  for (const auto& [micrometres, holes] : found) check.holes.push_back(holes);
 }
 
 void ListFaces(const Mesh& mesh, MeshCheck& check) {
@@ -149,8 +154,10 @@ WrongWay WrongWayRound(const PreparedJob& prepared) {
   return found;
 }
 
-void WriteView(const ViewFile& file, const CheckHtmlInput& input) {
-  if (file) WriteLooseFile(*file, CheckHtml(input));
+void WriteView(const ViewFile& target, CheckHtmlInput& input) {
+  if (!target) return;
+  input.language = target->language;
+  WriteLooseFile(target->file, CheckHtml(input));
 }
 
 }  // namespace
@@ -251,6 +258,7 @@ CellCheck CheckCell(const CheckCellArguments& arguments) {
   check.arm = settings.arm.name;
   check.bodies = cell.bodies.size();
   check.reach = Reach(cell);
+  check.external_axes = cell.external_axes;
   for (const auto& [controller, post] : settings.controllers) check.controllers.push_back(controller);
   check.arrival = DescribeArrival(settings, cell);
   check.warnings = CellWarnings(settings);

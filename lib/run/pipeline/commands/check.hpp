@@ -16,12 +16,18 @@
 #include "job/arrival.hpp"
 #include "job/config/config.hpp"
 #include "job/inputs.hpp"
+#include "machine/robot/mechanism.hpp"
+#include "report/words/words.hpp"
 #include "toolpath/cam/cam_source.hpp"
 
 namespace millpose {
 
 /// The page beside a check, see docs/check.md; written when it has a name.
-using ViewFile = std::optional<std::filesystem::path>;
+struct PageTarget {
+  std::filesystem::path file;
+  Language language = Language::kEnglish;
+};
+using ViewFile = std::optional<PageTarget>;
 
 /// What can be said about a mesh.
 struct MeshCheck {
@@ -84,8 +90,9 @@ struct JobCheck {
 struct CellCheck {
   std::string cell, arm;
   size_t bodies = 0;
-  double reach = 0;                      ///< mm, from axis 1 to the tool's tip
-  std::vector<std::string> controllers;  ///< for which programs can be written
+  double reach = 0;                         ///< mm, from axis 1 to the tool's tip
+  std::vector<std::string> controllers;     ///< for which programs can be written
+  std::vector<ExternalAxis> external_axes;  ///< rails, lifts and tables, in their order
   ArmArrival arrival;
   std::vector<std::string> warnings;
 };

@@ -158,6 +158,45 @@ Json SourceJson(const std::optional<CamSource>& source) {
           {"sections", std::move(sections)}};
 }
 
+/// Numbers of an external axis from mm and rad to what its unit says.
+struct AxisUnit {
+  explicit AxisUnit(const ExternalAxis& axis)
+      : linear(axis.kind == AxisKind::kLinear),
+        factor(linear ? 1 : kDegPerRad),
+        name(linear ? "mm" : "deg") {}
+  bool linear;
+  double factor;
+  const char* name;
+};
+
+/// "linear, carries the robot, -2000 to 2000 mm, home 0 mm, 1000 mm/s, 500 mm/s²".
+std::string AxisText(const ExternalAxis& axis) {
+  const AxisUnit unit(axis);
+  return fmt::format(
+      "{}, carries the {}, {:.6g} to {:.6g} {unit}, home {:.6g} {unit}, {:.6g} {unit}/s, {:.6g} "
+      "{unit}/s², {}",
+      WordOf(kAxisKindWords, axis.kind), WordOf(kCarriesWords, axis.carries), unit.factor * axis.lower,
+      unit.factor * axis.upper, unit.factor * axis.home, unit.factor * axis.speed,
+      unit.factor * axis.acceleration, axis.compliance ? "yields" : "taken as stiff",
+      fmt::arg("unit", unit.name));
+}
+
+Json AxesJson(const std::vector<ExternalAxis>& axes) {
+  Json list = Json::array();
+  for (const ExternalAxis& axis : axes) {
+    const AxisUnit unit(axis);
+    list.push_back({{"name", axis.name},
+                    {"kind", WordOf(kAxisKindWords, axis.kind)},
+                    {"carries", WordOf(kCarriesWords, axis.carries)},
+                    {"unit", unit.name},
+                    {"limits", {unit.factor * axis.lower, unit.factor * axis.upper}},
+                    {"home", unit.factor * axis.home},
+                    {"speed_per_s", unit.factor * axis.speed},
+                    {"acceleration_per_s2", unit.factor * axis.acceleration}});
+  }
+  return list;
+}
+
 Json JobJson(const JobCheck& check) {
   Json json{{"job", check.job},
             {"cell", check.cell},
@@ -257,6 +296,8 @@ std::string ToText(const CellCheck& check) {
   text +=
       fmt::format("controllers         {}\n",
                   check.controllers.empty() ? "none" : fmt::format("{}", fmt::join(check.controllers, ", ")));
+  for (const ExternalAxis& axis : check.external_axes)
+    text += fmt::format("external axis       {}: {}\n", axis.name, AxisText(axis));
   text += ToText(check.arrival);
   for (const std::string& warning : check.warnings) text += "  - " + warning + "\n";
   return text;
@@ -268,6 +309,7 @@ std::string ToJson(const CellCheck& check) {
                   {"bodies", check.bodies},
                   {"reach_mm", check.reach},
                   {"controllers", check.controllers},
+                  {"external_axes", AxesJson(check.external_axes)},
                   {"arrival", ArrivalJson(check.arrival)},
                   {"warnings", check.warnings}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -15,6 +15,7 @@
 #include "job/inputs.hpp"
 #include "machine/motion/rotation_vector.hpp"
 #include "planning/result/plan_result.hpp"
+#include "run/pipeline/commands/diff_batches.hpp"
 #include "run/pipeline/operations/done_operation.hpp"
 #include "store/output_folder.hpp"
 #include "store/read_whole.hpp"
@@ -72,14 +73,14 @@ class Diff {
  public:
   Diff(const Side& before, const Side& after, const FileRoot& root) : a_(before), b_(after), root_(root) {}
 
-  std::vector<Change> Make() {
+  Differences Make() {
     Settings("", yaml::ReadYaml(a_.job, "job.yaml"), yaml::ReadYaml(b_.job, "job.yaml"));
     Settings("cell: ", yaml::ReadYaml(a_.cell, "cell.yaml"), yaml::ReadYaml(b_.cell, "cell.yaml"));
     Points();
     Figures();
     for (const char* kind : {"findings", "warnings"}) Sentences(kind);
     Programs();
-    return std::move(changes_);
+    return {std::move(changes_), std::move(figures_)};
   }
 
  private:
@@ -89,6 +90,7 @@ class Diff {
   }
 
   void AddNumbers(const std::string& section, const std::string& what, double before, double after) {
+    figures_.insert(what);
     const double greater = std::max(std::abs(before), std::abs(after));
     if (std::abs(after - before) <= kRounding * greater) return;
     changes_.push_back({section, what, fmt::format("{:.6g}", before), fmt::format("{:.6g}", after),
@@ -166,6 +168,7 @@ class Diff {
 
   /// A figure that one of them does not have counts as not there.
   void Figure(const std::string& what, const JsonTree& before, const JsonTree& after) {
+    figures_.insert(what);
     if (before.is_number() && after.is_number())
       return AddNumbers("figures", what, before.get<double>(), after.get<double>());
     if (before == after || (before.is_null() && after.is_null())) return;
@@ -319,13 +322,14 @@ class Diff {
   const Side &a_, &b_;
   const FileRoot& root_;
   std::vector<Change> changes_;
+  std::set<std::string> figures_;
 };
 
 }  // namespace
 
 namespace {
 
-std::vector<Change> Compare(const fs::path& before, const fs::path& after, const FileRoot& root) {
+Differences Compare(const fs::path& before, const fs::path& after, const FileRoot& root) {
   try {
     return Diff(ReadSide(before, root), ReadSide(after, root), root).Make();
   } catch (const JsonTree::exception&) {
@@ -344,7 +348,8 @@ std::string Change::Text() const {
   return text;
 }
 
-std::vector<Change> DiffFolders(const DiffArguments& arguments) {
+Differences DiffFolders(const DiffArguments& arguments) {
+  if (IsBatchFolder(arguments.before) || IsBatchFolder(arguments.after)) return DiffBatches(arguments);
   for (const fs::path& folder : {arguments.before, arguments.after})
     if (!IsOutputFolder(folder))
       throw InputError({folder.string()}, "is no output folder of millpose (it has no .millpose)");
@@ -358,15 +363,16 @@ std::vector<Change> DiffFolders(const DiffArguments& arguments) {
                     arguments.before.string(),
                     before.empty() ? "one plan" : fmt::format("operations {}", fmt::join(before, ", "))));
   if (before.empty()) return Compare(arguments.before, arguments.after, arguments.root);
-  std::vector<Change> changes;
+  Differences all;
   for (const std::string& operation : before) {
-    for (Change& change :
-         Compare(arguments.before / operation, arguments.after / operation, arguments.root)) {
+    Differences own = Compare(arguments.before / operation, arguments.after / operation, arguments.root);
+    all.figures.merge(own.figures);
+    for (Change& change : own.changes) {
       change.operation = fs::path(operation).filename().string();
-      changes.push_back(std::move(change));
+      all.changes.push_back(std::move(change));
     }
   }
-  return changes;
+  return all;
 }
 
 }  // namespace millpose

@@ -33,11 +33,11 @@ std::string LinkTo(const fs::path& folder, const fs::path& page) {
                      Escaped(fs::absolute(report, none).lexically_proximate(beside).generic_string()), name);
 }
 
-std::string Row(const Change& change, bool fails, bool operations) {
+std::string Row(const Change& change, bool fails, bool operations, Language language) {
   std::string row = fails ? "<tr class=\"bad\">" : "<tr>";
   if (operations) row += "<td class=\"of\">" + Escaped(change.operation) + "</td>";
   const bool sentence = change.before.empty() && change.after.empty();
-  row += fmt::format("<td{}>{}</td>", sentence ? " colspan=\"4\"" : "", Escaped(change.what));
+  row += fmt::format("<td{}>{}</td>", sentence ? " colspan=\"4\"" : "", Escaped(Say(language, change.what)));
   if (!sentence)
     row += fmt::format("<td>{}</td><td>{}</td><td class=\"n\">{}</td>", Escaped(change.before),
                        Escaped(change.after), change.by ? fmt::format("{:+.3g} %", 100 * *change.by) : "");
@@ -47,28 +47,32 @@ std::string Row(const Change& change, bool fails, bool operations) {
 }  // namespace
 
 std::string DiffPage(const DiffArguments& arguments, const std::vector<Change>& changes,
-                     const std::vector<bool>& fails, const fs::path& page) {
-  std::string html = TablePageHead("millpose diff", kDiffStyle);
+                     const std::vector<bool>& fails, const fs::path& page, Language language) {
+  const auto say = [&](const std::string& english) { return Escaped(Say(language, english)); };
+  std::string html = TablePageHead("millpose diff", kDiffStyle, language);
   html +=
       fmt::format("<h1>{} &rarr; {}</h1>\n", LinkTo(arguments.before, page), LinkTo(arguments.after, page));
   const auto broken = std::ranges::count(fails, true);
   if (changes.empty())
-    html += "<p>No difference.</p>\n";
+    html += "<p>" + say("No difference.") + "</p>\n";
   else
-    html += fmt::format("<p>{} difference{}{}.</p>\n", changes.size(), changes.size() == 1 ? "" : "s",
-                        broken > 0 ? fmt::format(", {} of them against a rule", broken) : "");
+    html += "<p>" +
+            say(fmt::format("{} difference{}{}.", changes.size(), changes.size() == 1 ? "" : "s",
+                            broken > 0 ? fmt::format(", {} of them against a rule", broken) : "")) +
+            "</p>\n";
   const bool operations =
       std::ranges::any_of(changes, [](const Change& change) { return !change.operation.empty(); });
   for (const std::string& section : kDiffSections) {
     std::string rows;
     for (size_t i = 0; i < changes.size(); ++i)
-      if (changes[i].section == section) rows += Row(changes[i], fails[i], operations);
+      if (changes[i].section == section) rows += Row(changes[i], fails[i], operations, language);
     if (rows.empty()) continue;
     html += fmt::format(
         "<section><h2>{}</h2><div "
-        "class=\"scroll\"><table>\n<thead><tr>{}<th></th><th>before</th><th>after</th>"
-        "<th class=\"n\">change</th></tr></thead>\n<tbody>\n{}</tbody>\n</table></div></section>\n",
-        section, operations ? "<th>operation</th>" : "", rows);
+        "class=\"scroll\"><table>\n<thead><tr>{}<th></th><th>{}</th><th>{}</th>"
+        "<th class=\"n\">{}</th></tr></thead>\n<tbody>\n{}</tbody>\n</table></div></section>\n",
+        say(section), operations ? "<th>" + say("operation") + "</th>" : "", say("before"), say("after"),
+        say("change"), rows);
   }
   return html + "</body>\n</html>\n";
 }

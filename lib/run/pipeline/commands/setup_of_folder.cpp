@@ -9,7 +9,6 @@
 
 #include "base/angles.hpp"
 #include "base/error.hpp"
-#include "base/folder.hpp"
 #include "base/units.hpp"
 #include "job/assemble.hpp"
 #include "job/first_run.hpp"
@@ -20,33 +19,20 @@
 #include "report/setup_picture.hpp"
 #include "report/setup_sheet.hpp"
 #include "report/view_mesh.hpp"
-#include "run/pipeline/commands/plan_folder.hpp"
-#include "run/pipeline/operations/done_operation.hpp"
-#include "store/output_folder.hpp"
+#include "run/pipeline/commands/reported_folder.hpp"
 
 namespace millpose {
 namespace {
 
-namespace fs = std::filesystem;
 using JsonTree = nlohmann::json;
 using Eigen::Vector3d;
 
-/// One operation, or the job where it has none.
-struct Operation {
-  std::string name,
-      folder;  ///< the folder below the job's output folder; empty where that holds the one plan
-  PlanResult plan;
-  JobInputs inputs;
-  JsonTree summary;
+/// An operation with its summary.json as a tree.
+struct SheetOperation : FolderOperation {
+  explicit SheetOperation(FolderOperation one)
+      : FolderOperation(std::move(one)), json(JsonTree::parse(summary, nullptr, false)) {}
+  JsonTree json;
 };
-
-Operation ReadOne(const SetupArguments& arguments, const std::string& below) {
-  PlanFolder read =
-      ReadPlanFolder(below.empty() ? arguments.plan : arguments.plan / below, arguments.job, arguments.root);
-  const std::string name = below.empty() ? read.plan.job : read.inputs.job.operation;
-  return {name, below, std::move(read.plan), std::move(read.inputs),
-          JsonTree::parse(read.summary, nullptr, false)};
-}
 
 /// Three numbers to `digits` decimals; no -0.
 std::string Three(const Vector3d& v, int digits) {
@@ -58,25 +44,19 @@ std::string Three(const Vector3d& v, int digits) {
 std::string Place(const Vector3d& p) { return Three(p, 2); }
 std::string Turned(const Pose& X) { return Three(kDegPerRad * AnglesZyx(X.linear()), 3); }
 
-/// A key of the summary as words.
-std::string Words(std::string key) {
-  std::ranges::replace(key, '_', ' ');
-  return key;
-}
-
-SheetSection SummaryOf(const std::vector<Operation>& operations) {
+SheetSection SummaryOf(const std::vector<SheetOperation>& operations) {
   SheetSection section{.title = "Summary"};
   section.table.columns = {"operation",          "tool",           "milled", "cycle, h:min:s",
                            "least distance, mm", "face off by, µm"};
   section.table.names = 2;
-  for (const Operation& one : operations) {
-    const JsonTree& points = one.summary.at("points");
+  for (const SheetOperation& one : operations) {
+    const JsonTree& points = one.json.at("points");
     std::vector<std::string> times;
-    for (const JsonTree& time : one.summary.at("cycle_times"))
+    for (const JsonTree& time : one.json.at("cycle_times"))
       times.push_back(fmt::format("{} {}", ClockText(time.at("total_s").get<double>()),
                                   time.at("controller").get<std::string>()));
-    const JsonTree& clearance = one.summary.at("clearance_min_mm");
-    const double sum = one.summary.at("budget").at("sum_um").get<double>();  // 0 where no face is cut
+    const JsonTree& clearance = one.json.at("clearance_min_mm");
+    const double sum = one.json.at("budget").at("sum_um").get<double>();  // 0 where no face is cut
     section.table.rows.push_back(
         {one.name, one.inputs.cell.tool.name,
          fmt::format("{} of {} points in {} passes", points.at("planned").get<size_t>(),
@@ -89,32 +69,32 @@ SheetSection SummaryOf(const std::vector<Operation>& operations) {
 }
 
 /// Sentences of the summaries, those of operations with their names; each once.
-SheetSection Sentences(const std::vector<Operation>& operations, const char* key, const char* title) {
+SheetSection Sentences(const std::vector<SheetOperation>& operations, const char* key, const char* title) {
   SheetSection section{.title = title};
-  for (const Operation& one : operations)
-    for (const JsonTree& sentence : one.summary.at(key)) {
+  for (const SheetOperation& one : operations)
+    for (const JsonTree& sentence : one.json.at(key)) {
       const std::string text = sentence.get<std::string>();
       section.list.push_back(operations.size() > 1 ? one.name + ": " + text : text);
     }
   return section;
 }
 
-SheetSection Sources(const std::vector<Operation>& operations) {
+SheetSection Sources(const std::vector<SheetOperation>& operations) {
   SheetSection section{.title = "What the face may be off by"};
   section.note =
       "Along its normal, source by source, each at its largest; what is not stated is not in the sum.";
   section.table.columns = {"operation", "source", "µm", "what the figure is of"};
   section.table.names = 1;
-  for (const Operation& one : operations)
-    for (const JsonTree& row : one.summary.at("budget").at("rows"))
+  for (const SheetOperation& one : operations)
+    for (const JsonTree& row : one.json.at("budget").at("rows"))
       section.table.rows.push_back(
-          {one.name, Words(row.at("source").get<std::string>()),
+          {one.name, WordsOfKey(row.at("source").get<std::string>()),
            row.at("um").is_number() ? fmt::format("{:.3g}", row.at("um").get<double>()) : "not stated",
            row.at("basis").get<std::string>()});
   return section;
 }
 
-SheetSection Datum(const Operation& first) {
+SheetSection Datum(const SheetOperation& first) {
   const JobSettings& job = first.inputs.job;
   const PlanResult& plan = first.plan;
   SheetSection section{.title = "Datum"};
@@ -132,8 +112,7 @@ SheetSection Datum(const Operation& first) {
       targets.push_back("(" + Place(target.nominal) + ")");
     section.note += fmt::format("{} mm on the part.", fmt::join(targets, ", "));
   } else if (job.workpiece.registered) {
-    const JsonTree& known =
-        first.summary.contains("registration") ? first.summary.at("registration") : JsonTree();
+    const JsonTree& known = first.json.contains("registration") ? first.json.at("registration") : JsonTree();
     section.note += "Registered by probed points";
     if (known.is_object())
       section.note += fmt::format("; for that the face may be off by {:.3g} µm (95 %)",
@@ -147,14 +126,33 @@ SheetSection Datum(const Operation& first) {
   return section;
 }
 
+/// How long the tool's parts of each class are together, from the tip upwards.
+std::string LengthsOf(const ToolSettings& tool) {
+  std::vector<std::string> lengths;
+  for (const BodyClass part : {BodyClass::kCutter, BodyClass::kHolder, BodyClass::kSpindle}) {
+    double length = 0;
+    for (const ToolPartSettings& own : tool.stack)
+      if (own.body_class == part) length += own.length;
+    lengths.push_back(length > 0 ? fmt::format("{:.6g}", length) : "-");
+  }
+  return fmt::format("{}", fmt::join(lengths, ", "));
+}
+
 /// Tools in the order in which they are asked for, each once.
-SheetSection ToolsOf(const std::vector<Operation>& operations) {
+SheetSection ToolsOf(const std::vector<SheetOperation>& operations) {
   SheetSection section{.title = "Tools"};
-  section.table.columns = {"tool",           "number",       "cutter, mm", "tip in the flange, mm",
-                           "spindle, 1/min", "feed, mm/min", "load, kg",   "tip known to, mm"};
+  section.table.columns = {"tool",
+                           "number",
+                           "cutter, mm",
+                           "length of cutter, holder, spindle, mm",
+                           "tip in the flange, mm",
+                           "spindle, 1/min",
+                           "feed, mm/min",
+                           "load, kg",
+                           "tip known to, mm"};
   section.table.names = 1;
   std::set<std::string> told;
-  for (const Operation& one : operations) {
+  for (const SheetOperation& one : operations) {
     const ToolSettings& tool = one.inputs.cell.tool;
     if (!told.insert(tool.name).second) continue;
     std::string cutter =
@@ -164,8 +162,8 @@ SheetSection ToolsOf(const std::vector<Operation>& operations) {
     const double turns =
         60 * (one.plan.spindle_speed > 0 ? one.plan.spindle_speed : one.inputs.job.spindle_speed);
     section.table.rows.push_back(
-        {tool.name, tool.number ? std::to_string(*tool.number) : "-", cutter, Place(tool.tip),
-         turns > 0 ? fmt::format("{:.6g}", turns) : "not stated",
+        {tool.name, tool.number ? std::to_string(*tool.number) : "-", cutter, LengthsOf(tool),
+         Place(tool.tip), turns > 0 ? fmt::format("{:.6g}", turns) : "not stated",
          fmt::format("{:.6g}", 60 * one.inputs.job.feed),
          tool.load ? fmt::format("{:.6g}", tool.load->mass) : "not stated",
          tool.tip_uncertainty ? fmt::format("{:.3g}", *tool.tip_uncertainty) : "not stated"});
@@ -173,11 +171,11 @@ SheetSection ToolsOf(const std::vector<Operation>& operations) {
   return section;
 }
 
-SheetSection AxisPositions(const std::vector<Operation>& operations) {
+SheetSection AxisPositions(const std::vector<SheetOperation>& operations) {
   SheetSection section{.title = "External axes"};
   section.table.columns = {"operation", "passes", "stand at"};
   section.table.names = 1;
-  for (const Operation& one : operations) {
+  for (const SheetOperation& one : operations) {
     if (one.plan.external_axes.empty()) continue;
     // Neighbouring passes at one station share a row.
     for (size_t p = 0; p < one.plan.passes.size();) {
@@ -215,28 +213,18 @@ SheetSection Holding(const Cell& cell) {
   return section;
 }
 
-/// `main`: the summary of all operations, null where the job is one.
-SheetSection ProgramsOf(const std::vector<Operation>& operations, const JsonTree& main) {
+SheetSection ProgramsOf(const ReportedFolder& folder) {
   SheetSection section{.title = "Programs, in the order of the work"};
   section.table.columns = {"operation", "controller", "file", "read back"};
-  const auto add = [&](const std::string& operation, const fs::path& folder, const JsonTree& summary) {
-    for (const JsonTree& program : summary.at("programs"))
-      section.table.rows.push_back(
-          {operation, program.at("controller").get<std::string>(),
-           (folder / program.at("path").get<std::string>()).generic_string(),
-           program.at("verified").get<bool>()
-               ? (program.at("but_for").is_null() ? "confirmed" : "but for a stated gap")
-               : "withheld: not written"});
-  };
-  if (main.is_object()) add("all", {}, main);
-  for (const Operation& one : operations) add(one.name, one.folder, one.summary);
+  for (const FolderProgram& program : ProgramsIn(folder))
+    section.table.rows.push_back({program.operation, program.controller, program.path, program.read_back});
   return section;
 }
 
 /// Before the first run: what each controller asks for, once for all operations.
-void AddFirstRuns(const std::vector<Operation>& operations, SetupSheet& sheet) {
+void AddFirstRuns(const std::vector<SheetOperation>& operations, SetupSheet& sheet) {
   std::map<std::string, SheetSection> by_controller;
-  for (const Operation& one : operations)
+  for (const SheetOperation& one : operations)
     for (const std::string& controller : one.inputs.job.programs) {
       SheetSection& section = by_controller[controller];
       section.title = "Before a first run: " + controller;
@@ -255,7 +243,7 @@ Pose PartAt(const PlanResult& plan, const PassResult& pass, const PlannedPoint& 
   return Mechanism(plan.external_axes).Moved(Carries::kWorkpiece, external) * plan.X_WP;
 }
 
-PicturePath PathOf(const Operation& one, Vector3d& normals, Vector3d& axes) {
+PicturePath PathOf(const SheetOperation& one, Vector3d& normals, Vector3d& axes) {
   PicturePath path{one.name, {}, {}};
   for (const PassResult& pass : one.plan.passes) {
     const auto in_part = [&](const PlannedPoint& point) { return PartAt(one.plan, pass, point).inverse(); };
@@ -275,7 +263,7 @@ PicturePath PathOf(const Operation& one, Vector3d& normals, Vector3d& axes) {
   return path;
 }
 
-SheetSection SetupOf(const std::vector<Operation>& operations, const Cell& cell, const Mesh& part,
+SheetSection SetupOf(const std::vector<SheetOperation>& operations, const Cell& cell, const Mesh& part,
                      Language language) {
   const PlanResult& plan = operations.front().plan;
   const Pose X_PW = plan.X_WP.inverse();
@@ -294,7 +282,7 @@ SheetSection SetupOf(const std::vector<Operation>& operations, const Cell& cell,
     picture.solids.push_back(std::move(solid));
   }
   Vector3d normals = Vector3d::Zero(), axes = Vector3d::Zero();
-  for (const Operation& one : operations) picture.paths.push_back(PathOf(one, normals, axes));
+  for (const SheetOperation& one : operations) picture.paths.push_back(PathOf(one, normals, axes));
   // From the side that is milled, a little from above and aside, so that neither face nor depth is lost.
   Vector3d looked = normals.norm() > 1e-6 ? normals.normalized()
                     : axes.norm() > 1e-6  ? axes.normalized()
@@ -316,15 +304,10 @@ SheetSection SetupOf(const std::vector<Operation>& operations, const Cell& cell,
 }  // namespace
 
 std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop) {
-  if (!IsOutputFolder(arguments.plan))
-    throw InputError({arguments.plan.string()}, "is no output folder of millpose (it has no .millpose)");
-  std::vector<Operation> operations;
-  for (const std::string& folder : OperationFolders(arguments.plan))
-    operations.push_back(ReadOne(arguments, folder));
-  const bool several = !operations.empty();
-  if (!several) operations.push_back(ReadOne(arguments, ""));
-  const JsonTree main =
-      several ? JsonTree::parse(Folder(arguments.plan).Read("summary.json"), nullptr, false) : JsonTree();
+  const ReportedFolder folder = ReadReportedFolder(arguments);
+  std::vector<SheetOperation> operations;
+  for (const FolderOperation& one : folder.operations) operations.emplace_back(one);
+  const bool several = folder.several;
   JobInputs& inputs = operations.front().inputs;
   CutStepFiles(
       &inputs, [](int) {}, stop);
@@ -332,22 +315,19 @@ std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop)
   const Part part = ReadPart(inputs, cell);
   SetupSheet sheet;
   try {
-    const Operation& first = operations.front();
-    sheet.title = (several ? first.inputs.job.operation_of : first.plan.job) + ": setup sheet";
-    sheet.subtitle =
-        fmt::format("Cell {}, arm {}{}. Inputs {}.", first.plan.cell, first.inputs.cell.arm.name,
-                    first.inputs.cell.arm.serial.empty() ? "" : ", number " + first.inputs.cell.arm.serial,
-                    first.plan.input_hash.substr(0, 16));
+    const SheetOperation& first = operations.front();
+    sheet.title = folder.job + ": setup sheet";
+    sheet.subtitle = SubtitleOf(folder);
     for (SheetSection section :
          {SummaryOf(operations), Sentences(operations, "findings", "Findings"), Sources(operations),
           SetupOf(operations, cell, part.import.mesh, arguments.language), Datum(first), ToolsOf(operations),
-          AxisPositions(operations), Holding(cell), ProgramsOf(operations, main)}) {
+          AxisPositions(operations), Holding(cell), ProgramsOf(folder)}) {
       section.new_page = section.title == "Setup";
       if (!section.table.rows.empty() || !section.list.empty() || !section.picture.empty())
         sheet.sections.push_back(std::move(section));
     }
     AddFirstRuns(operations, sheet);
-    for (const Operation& one : operations)
+    for (const SheetOperation& one : operations)
       sheet.appendix.emplace_back(several ? one.name + "/job.yaml" : "job.yaml", one.inputs.job_text);
     sheet.appendix.emplace_back("cell.yaml", first.inputs.cell.text);
   } catch (const JsonTree::exception&) {

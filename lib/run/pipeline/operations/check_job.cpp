@@ -17,7 +17,7 @@ std::vector<JobCheck> CheckOperations(const std::filesystem::path& job, const Ch
   std::vector<JobCheck> checks;
   for (size_t i = 0; i < inputs.size(); ++i) {
     CheckJobArguments own = arguments;
-    if (own.view && inputs[i].operation) own.view = ViewOf(*own.view, i, inputs[i].job.operation);
+    if (own.view && inputs[i].operation) own.view->file = ViewOf(own.view->file, i, inputs[i].job.operation);
     checks.push_back(CheckJob(std::move(inputs[i]), own, progress, stop));
   }
   return checks;

@@ -101,13 +101,14 @@ PlanOutcome PlanWhole(const PlanArguments& arguments, const std::string& name,
   RunFigures run = EndRun(begun, stages, Execution{arguments.threads, stages, stop}.Threads());
   run.manifest = results.AddManifest(KeyOf(inputs, results.staged()));
   run.exit_status = outcome.exit_status;
-  run.told = WholeText(operations, programs, folder.path());
+  run.told = WholeBrief(name, operations, programs, folder.path());
+  run.details = WholeText(operations, programs, folder.path());
   results.AddRun(RunJson(run));
   results.Publish();
   std::vector<std::string> folders;
   for (const DoneOperation& done : operations) folders.push_back(fs::path(done.folder).filename().string());
   folder.KeepOperations(folders);
-  return {outcome.exit_status, run.told};
+  return {outcome.exit_status, arguments.verbose ? run.details : run.told};
 }
 
 PlanOutcome RunOperations(const PlanArguments& arguments, const JobOutline& outline, Progress& progress,

@@ -259,6 +259,96 @@ std::string WholeReport(const std::string& job, const std::vector<DoneOperation>
   return html + "</div>\n<iframe title=\"" + say("operation") + "\"></iframe>\n" + kTail;
 }
 
+namespace {
+
+constexpr size_t kMostTold = 12;  // lines
+constexpr size_t kToldPrograms = 3, kToldFindings = 3;
+
+using ToldLines = std::vector<std::string>;
+
+/// As many of the sentences as there is room for, then how many follow.
+void TellSome(const char* word, const ToldLines& sentences, size_t room, ToldLines& lines) {
+  const size_t shown = sentences.size() <= room ? sentences.size() : room - 1;
+  for (size_t i = 0; i < shown; ++i) lines.push_back(fmt::format("{:<10} {}", word, sentences[i]));
+  if (shown < sentences.size())
+    lines.push_back(fmt::format("{:<10} {} more: plan -v or report.html", word, sentences.size() - shown));
+}
+
+/// Done or not, of all operations together.
+std::string StateLine(const std::string& job, const std::vector<ToldOperation>& operations, size_t findings) {
+  const size_t planned = Sum(operations, "points", "planned"), total = Sum(operations, "points", "total"),
+               ways = Sum(operations, "gaps", "total"), gone = Sum(operations, "gaps", "planned");
+  const Json& first = operations.front().json;
+  std::string text = fmt::format("{} on {}: {} of {} points in {} operation{}", job,
+                                 first.at("cell").at("name").get<std::string>(), planned, total,
+                                 operations.size(), operations.size() == 1 ? "" : "s");
+  const bool whole = planned == total && ways == gone;
+  if (ways > gone) text += fmt::format(", {} of {} ways between them not planned", ways - gone, ways);
+  if (whole && findings > 0) text += fmt::format(", {} finding{}", findings, findings == 1 ? "" : "s");
+  return fmt::format("{:<10} {}", !whole ? "INCOMPLETE" : findings > 0 ? "FINDINGS" : "done", text);
+}
+
+/// What the face of the operation whose is worst may be off by; empty where none cuts one.
+std::string FaceLine(const std::vector<ToldOperation>& operations) {
+  Budget worst;
+  for (const ToldOperation& done : operations) {
+    const Json& known = done.json.at("budget");
+    if (!known.is_object() || done.json.at("points").at("planned") == 0) continue;
+    Budget budget;
+    for (const Json& row : known.at("rows")) {
+      std::string name = row.at("source").get<std::string>();
+      std::ranges::replace(name, '_', ' ');
+      budget.rows.push_back(
+          {row.at("source").get<std::string>(), name,
+           row.at("um").is_number() ? std::optional(row.at("um").get<double>() / 1000) : std::nullopt, ""});
+    }
+    if (worst.rows.empty() || budget.Sum() > worst.Sum()) worst = std::move(budget);
+  }
+  return worst.rows.empty() ? "" : BudgetBrief(worst);
+}
+
+ToldLines ProgramLines(const std::vector<ToldOperation>& operations,
+                       const std::vector<WholeProgram>& programs) {
+  ToldLines lines;
+  for (const WholeProgram& program : programs) {
+    if (!program.withheld.empty() || !program.findings.empty()) continue;
+    const Json bound = ButForOf(operations, program.controller);
+    lines.push_back(fmt::format("programs/{}: calls {} programs, read back and confirmed{}; {}",
+                                program.controller, operations.size(),
+                                bound.is_null()
+                                    ? ""
+                                    : fmt::format(" but for the corner's path, bounded by {:.4f} mm",
+                                                  bound.at("bound_mm").get<double>()),
+                                ClockText(CycleOf(operations, program.controller))));
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::string WholeBrief(const std::string& job, const std::vector<DoneOperation>& all,
+                       const std::vector<WholeProgram>& programs, const std::filesystem::path& out) {
+  const std::vector<ToldOperation> operations = Told(all);
+  const ToldLines findings = Findings(operations, programs);
+  ToldLines lines{StateLine(job, operations, findings.size())}, skipped, own;
+  for (const ToldOperation& done : operations) {
+    if (const std::string why = SkippedText(done); !why.empty()) skipped.push_back(done.name + ":" + why);
+    own.push_back(fmt::format(
+        "{}: {} of {} points with {}, {}", done.name, done.json.at("points").at("planned").get<size_t>(),
+        done.json.at("points").at("total").get<size_t>(), done.tool, (out / done.folder).string()));
+  }
+  TellSome("skipped", skipped, 1, lines);
+  TellSome("program", ProgramLines(operations, programs), kToldPrograms, lines);
+  if (const Json least = Pick(operations, "/clearance_min_mm", std::less()); least.is_number())
+    lines.push_back(fmt::format("{:<10} at least {:.1f} mm", "clearance", least.get<double>()));
+  if (const std::string face = FaceLine(operations); !face.empty())
+    lines.push_back(fmt::format("{:<10} {}", "face", face));
+  TellSome("finding", findings, kToldFindings, lines);
+  TellSome("operation", own, kMostTold - 1 - lines.size(), lines);
+  lines.push_back(fmt::format("{:<10} {}", "report", (out / "report.html").string()));
+  return fmt::format("{}\n", fmt::join(lines, "\n"));
+}
+
 std::string WholeText(const std::vector<DoneOperation>& all, const std::vector<WholeProgram>& programs,
                       const std::filesystem::path& out) {
   const std::vector<ToldOperation> operations = Told(all);
@@ -271,17 +361,7 @@ std::string WholeText(const std::vector<DoneOperation>& all, const std::vector<W
     if (const std::string skipped = SkippedText(done); !skipped.empty())
       text += fmt::format("skipped    {}:{}\n", done.name, skipped);
   }
-  const std::string job = operations.front().job;
-  for (const WholeProgram& program : programs) {
-    if (!program.withheld.empty() || !program.findings.empty()) continue;
-    const Json bound = ButForOf(operations, program.controller);
-    text += fmt::format("program    programs/{}: calls {} programs, read back and confirmed{}; {}\n",
-                        program.controller, operations.size(),
-                        bound.is_null() ? ""
-                                        : fmt::format(" but for the corner's path, bounded by {:.4f} mm",
-                                                      bound.at("bound_mm").get<double>()),
-                        ClockText(CycleOf(operations, program.controller)));
-  }
+  for (const std::string& line : ProgramLines(operations, programs)) text += "program    " + line + "\n";
   for (const std::string& finding : Findings(operations, programs)) text += "finding    " + finding + "\n";
   return text;
 }

@@ -19,7 +19,11 @@ std::string WholePoints(const std::vector<DoneOperation>& operations);
 std::string WholeReport(const std::string& job, const std::vector<DoneOperation>& operations,
                         const std::vector<WholeProgram>& programs, Language language);
 
-/// The screenful that `plan` prints.
+/// What `plan` prints: twelve lines at most, each of which Say() can say.
+std::string WholeBrief(const std::string& job, const std::vector<DoneOperation>& operations,
+                       const std::vector<WholeProgram>& programs, const std::filesystem::path& out);
+
+/// The same with all operations and findings, for `plan -v`.
 std::string WholeText(const std::vector<DoneOperation>& operations, const std::vector<WholeProgram>& programs,
                       const std::filesystem::path& out);
 

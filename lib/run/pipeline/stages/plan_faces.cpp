@@ -7,55 +7,23 @@
 #include "job/assemble.hpp"
 #include "job/job_engagement.hpp"
 #include "planning/result/skipped.hpp"
+#include "run/pipeline/stages/face_candidates.hpp"
 #include "run/pipeline/stages/other_ways.hpp"
 #include "run/pipeline/stages/plan_passes.hpp"
 #include "run/pipeline/stages/repair_ends.hpp"
 #include "store/cached_stage.hpp"
 #include "store/plan_key.hpp"
+#include "toolpath/make_toolpath.hpp"
 #include "toolpath/pass_variants.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr size_t kMostMixed = 100;  // candidates of a pass that are mixed with any of its neighbours
-constexpr int kSequences = 300;     // looked at, one after the other, until one is free
+constexpr int kSequences = 300;  // looked at, one after the other, until one is free
 constexpr double kSameHeight = 1 + 1e-9;
 // Of the largest displacement: a little less of it would be paid for by displacements that vary along passes,
 // and of the marks.
 constexpr double kWorthLowering = 0.85, kWorthTurning = 0.99;
-
-/// A pass run one way round.
-struct FaceDirection {
-  Pass made, placed;  ///< in P; in W
-  PassResult planned;
-  double attainable = 0;  ///< AttainableFace(), mm
-  std::optional<PlannedFace> face;
-};
-
-/// One way to mill a pass.
-struct FaceCandidateOfPass {
-  size_t direction = 0;
-  std::optional<FixedPose> fixed;  ///< else as PlanFace has it
-  PassFace face;                   ///< pieces as they lie when the pass is run as it was given
-};
-
-PassFace FaceOf(const PlannedFace& planned) {
-  PassFace face;
-  for (const FaceChoice& choice : planned.choices) face.push_back(choice.after);
-  return face;
-}
-
-double WorstOf(const PlannedFace& planned) {
-  double worst = 0;
-  for (const FaceChoice& choice : planned.choices) worst = std::max(worst, choice.after.worst);
-  return worst;
-}
-
-double MarksOf(const PlannedFace& planned) {
-  double marks = 0;
-  for (const FaceChoice& choice : planned.choices) marks += choice.after.marks;
-  return marks;
-}
 
 class FacesOfJob {
  public:
@@ -291,25 +259,6 @@ class FacesOfJob {
     return ValueOf(faces, neighbours_);
   }
 
-  /// Of each pass the candidates that may stand beside any other: as PlanFace has them, and fixed rotations
-  /// whose displacements are less than `most`, spread over their means.
-  std::vector<std::vector<size_t>> Mixed(double most) const {
-    std::vector<std::vector<size_t>> mixed(candidates_.size());
-    for (size_t i = 0; i < candidates_.size(); ++i) {
-      std::vector<size_t> fixed;
-      for (size_t c = 0; c < candidates_[i].size(); ++c) {
-        const FaceCandidateOfPass& candidate = candidates_[i][c];
-        if (!candidate.fixed)
-          mixed[i].push_back(c);
-        else if (std::ranges::all_of(candidate.face, [&](const auto& piece) { return piece.worst < most; }))
-          fixed.push_back(c);
-      }
-      std::ranges::stable_sort(fixed, {}, [&](size_t c) { return candidates_[i][c].face[0].middle; });
-      const size_t every = 1 + fixed.size() / kMostMixed;
-      for (size_t k = 0; k < fixed.size(); k += every) mixed[i].push_back(fixed[k]);
-    }
-    return mixed;
-  }
   /// Of each pass the candidates at one rotation.
   std::vector<std::vector<size_t>> AtPlace(int place) const {
     std::vector<std::vector<size_t>> at(candidates_.size());
@@ -350,7 +299,7 @@ class FacesOfJob {
         value = other;
         best = std::move(chosen);
       };
-      take(ChosenOf(Mixed(now.Largest())));
+      take(ChosenOf(MixedCandidates(candidates_, now.Largest())));
       for (const int place : places) take(ChosenOf(AtPlace(place)));
       if (best.empty() || Take(best)) return;
     }
