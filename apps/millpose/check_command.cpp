@@ -19,6 +19,7 @@ struct CheckOptions {
   std::string view;
   std::filesystem::path split;
   std::vector<std::string> changes;
+  double advise_um = 0, spindle_kW = 0;  ///< 0: not asked for
   RootOption root;
   LanguageOption language;
 };
@@ -45,8 +46,24 @@ int TellJob(const std::vector<JobCheck>& checks, const CheckOptions& options) {
 }
 
 void RefuseChanges(const CheckOptions& options) {
-  if (!options.changes.empty())
-    throw InputError(SourceLocation{}, "--set: has no effect here; allowed: with a job (.yaml)");
+  for (const auto& [given, flag] :
+       {std::pair(!options.changes.empty(), "--set"), std::pair(options.advise_um > 0, "--advise-um")})
+    if (given)
+      throw InputError(SourceLocation{},
+                       fmt::format("{}: has no effect here; allowed: with a job (.yaml)", flag));
+}
+
+/// What of a job's cuts may be larger, beside what else is told of it.
+void AddAdvice(const std::filesystem::path& job, const CheckOptions& options,
+               const std::vector<Override>& overrides, const FileRoot& root, Session& session,
+               std::vector<JobCheck>& checks) {
+  constexpr double kMillimetres = 1e-3, kWatts = 1e3;
+  if (options.advise_um <= 0) return;
+  AdviseLimits limits{kMillimetres * options.advise_um, {}};
+  if (options.spindle_kW > 0) limits.power = kWatts * options.spindle_kW;
+  const std::vector<OperationAdvice> advices =
+      Advise(job, overrides, limits, options.threads, root, session.progress, session.stop);
+  for (size_t i = 0; i < checks.size(); ++i) checks[i].advice = advices[i];
 }
 
 int Check(const CheckOptions& options, Session& session) {
@@ -67,7 +84,9 @@ int Check(const CheckOptions& options, Session& session) {
     }
     CheckJobArguments arguments{options.threads, options.max_points, view, {}};
     for (const std::string& change : options.changes) arguments.overrides.push_back(ParseOverride(change));
-    return TellJob(CheckOperations(job, arguments, root, session.progress, session.stop), options);
+    std::vector<JobCheck> checks = CheckOperations(job, arguments, root, session.progress, session.stop);
+    AddAdvice(job, options, arguments.overrides, root, session, checks);
+    return TellJob(checks, options);
   }
   RefuseChanges(options);
   if (!options.split.empty())
@@ -82,7 +101,7 @@ int Check(const CheckOptions& options, Session& session) {
 
 void AddCheckCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
-      "check", "Describe a mesh, a cell, or a job's part, tool path and reach; plans nothing");
+      "check", "Describe a mesh, a cell, or a job's part, tool path and reach; plans nothing but for advice");
   const auto options = std::make_shared<CheckOptions>();
   command
       ->add_option("FILE", options->file, "Job or cell (.yaml) or part (STL, OBJ, PLY, OFF, STEP, IGES, 3MF)")
@@ -110,6 +129,18 @@ void AddCheckCommand(CLI::App& app, Run& run) {
       "for each, in the file's order, to this file beside it, and check that");
   command->add_option("--set", options->changes,
                       "KEY=VALUE: a setting in place of the job's, like toolpath.stepover_mm=4");
+  CLI::Option* advise =
+      command
+          ->add_option(
+              "--advise-um", options->advise_um,
+              "Largest depth and step-over for which the mean cutting force moves the tip by no more "
+              "than this; plans the job several times (docs/advise.md)")
+          ->check(CLI::Range(0.001, 1e5));
+  command
+      ->add_option("--spindle-kW", options->spindle_kW,
+                   "With --advise-um: power that the spindle may give to the cut")
+      ->check(CLI::Range(0.001, 1e4))
+      ->needs(advise);
   command->add_flag("--json", options->json, "Results as JSON on stdout");
   command->add_option("--max-points", options->max_points, "Points that the tool path of a job may have")
       ->check(CLI::Range(1.0, 1e9))

@@ -26,10 +26,11 @@ using Tree = nlohmann::ordered_json;
 constexpr double kWithin95 = 1.959963984540054;
 constexpr const char* kComponents[] = {"shift x", "shift y", "shift z", "turn x", "turn y", "turn z"};
 
-std::vector<TrackedPose> ReadSet(const std::string& file, size_t set) {
+/// `law`: what the joints of the arm make of its controller's angles; the fit takes theirs.
+std::vector<TrackedPose> ReadSet(const std::string& file, size_t set, const JointLaw& law) {
   std::vector<TrackedPose> poses;
   for (const TrackedRow& row : ParseTracked(ReadFile(file), file))
-    poses.push_back({row.joints, row.reflectors, set});
+    poses.push_back({law.At(row.joints), row.reflectors, set});
   if (poses.empty()) throw InputError({file}, "no readings; allowed: at least one row");
   return poses;
 }
@@ -49,8 +50,8 @@ double QuantileOf(std::vector<double> values, double share) {
   return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-Judged JudgeBy(const GeometryFit& fit, const std::string& file) {
-  const std::vector<TrackedPose> poses = ReadSet(file, 0);
+Judged JudgeBy(const GeometryFit& fit, const std::string& file, const JointLaw& law) {
+  const std::vector<TrackedPose> poses = ReadSet(file, 0, law);
   if (poses.front().reflectors.size() != fit.reflectors().size())
     throw InputError({file}, fmt::format("{} reflectors; allowed: {}, as in the readings that were fitted",
                                          poses.front().reflectors.size(), fit.reflectors().size()));
@@ -108,15 +109,37 @@ std::vector<Joints> Propose(GeometryFit fit, const Cell& cell, int count) {
 /// In the unit that people read: mm, mrad.
 double Readable(size_t component, double value) { return component < 3 ? value : 1e3 * value; }
 
-/// To a tenth of its standard deviation: what lies below, no reading has said.
+/// To a hundredth of its standard deviation: what lies below, no reading has said, and on a part where the
+/// frame takes up most, the digits of 26 numbers must not add up to what is left.
 double Rounded(double value, double deviation) {
   int decimals = 0;
-  for (double step = 1; step > 0.1 * deviation && decimals < 9; step /= 10) ++decimals;
+  for (double step = 1; step > 0.01 * deviation && decimals < 9; step /= 10) ++decimals;
   return std::stod(fmt::format("{:.{}f}", value, decimals)) + 0.0;  // no -0
 }
 
 /// The 95 % interval of what is left along one direction, mm.
 double UncertaintyOf(const GeometryFit& fit) { return kWithin95 * fit.left_out() / std::sqrt(3.0); }
+
+/// To a nm and a nrad: the parts of a pattern cancel each other to a thousandth.
+double Written(size_t component, double value) {
+  return std::stod(fmt::format("{:.6f}", Readable(component, value))) + 0.0;  // no -0
+}
+
+std::vector<DeviationPattern> PatternsOf(const GeometryFit& fit) {
+  std::vector<DeviationPattern> patterns;
+  for (const ArmDeviations& pattern : fit.Patterns()) {
+    DeviationPattern& one = patterns.emplace_back();
+    for (size_t frame = 0; frame < 7; ++frame) {
+      const auto rounded = [](size_t component, const Eigen::Vector3d& v) {
+        return Eigen::Vector3d(Written(component, v.x()), Written(component, v.y()),
+                               Written(component, v.z()));
+      };
+      one.shifts.push_back(rounded(0, pattern.shift[frame]));
+      one.turns.push_back(rounded(3, pattern.turn[frame]) / 1000);
+    }
+  }
+  return patterns;
+}
 
 DeviationSettings DeviationsOf(const GeometryFit& fit, const GeometryWords& words) {
   DeviationSettings found;
@@ -125,10 +148,11 @@ DeviationSettings DeviationsOf(const GeometryFit& fit, const GeometryWords& word
   for (size_t frame = 1; frame < 6; ++frame)
     for (size_t component = 0; component < 6; ++component) {
       const DeviationEstimate one = fit.Estimate(frame, component);
-      const double rounded = Rounded(Readable(component, one.value), Readable(component, one.deviation));
+      const double rounded = Rounded(Readable(component, one.value), Readable(component, one.alone));
       const auto axis = static_cast<Eigen::Index>(component % 3);
       (component < 3 ? found.shifts : found.turns)[frame][axis] = component < 3 ? rounded : rounded / 1e3;
     }
+  found.patterns = PatternsOf(fit);
   found.uncertainty = std::stod(fmt::format("{:.2g}", UncertaintyOf(fit)));
   std::vector<std::string> names;
   for (const std::string& file : words.files)
@@ -270,6 +294,9 @@ int IdentifyGeometry(const GeometryWords& words) {
                        "--date: missing; needed with --write-cell: the day of the readings, year-month-day");
   }
   const Arm arm = MakeArm(cell.arm);
+  JointLaw law;  // as far as it is known of this arm
+  if (cell.arm.deviations && (words.serial.empty() || words.serial == cell.arm.serial))
+    law = MakeDeviations(*cell.arm.deviations).law;
   GeometryFitOptions options;
   options.shift_prior = words.shift_prior;
   options.turn_prior = 1e-3 * words.turn_prior;
@@ -285,7 +312,7 @@ int IdentifyGeometry(const GeometryWords& words) {
   }
   std::vector<TrackedPose> poses;
   for (size_t set = 0; set < words.files.size(); ++set) {
-    const std::vector<TrackedPose> read = ReadSet(words.files[set], set);
+    const std::vector<TrackedPose> read = ReadSet(words.files[set], set, law);
     if (!poses.empty() && read.front().reflectors.size() != poses.front().reflectors.size())
       throw InputError({words.files[set]}, "another number of reflectors than in the first file");
     poses.insert(poses.end(), read.begin(), read.end());
@@ -294,7 +321,7 @@ int IdentifyGeometry(const GeometryWords& words) {
   plain.deviations = false;
   const GeometryFit nominal(arm, poses, plain), fit(arm, poses, options);
   std::vector<Judged> judged;
-  for (const std::string& file : words.foretell) judged.push_back(JudgeBy(fit, file));
+  for (const std::string& file : words.foretell) judged.push_back(JudgeBy(fit, file, law));
   std::vector<Joints> proposed;
   if (words.propose > 0) proposed = Propose(fit, MakeCell(cell, meshes), words.propose);
   const std::vector<std::string> findings = FindingsOf(fit);

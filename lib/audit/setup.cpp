@@ -88,8 +88,13 @@ Setup At(const Setup& setup, const std::vector<Real>& position) {
 }
 
 std::array<Matrix4, 7> Frames(const Setup& s, const Angles& angles) {
+  Angles own = angles;
+  for (const Setup::Wave& wave : s.waves)
+    own[wave.joint] +=
+        wave.amplitude * SinCos(static_cast<double>(wave.count * angles[wave.joint] + wave.phase)).sin;
+  for (const Setup::Follower& one : s.followers) own[one.joint] += one.factor * angles[one.by];
   Angles q;
-  for (size_t i = 0; i < 6; ++i) q[i] = s.sign[i] * angles[i] + s.offset[i];
+  for (size_t i = 0; i < 6; ++i) q[i] = s.sign[i] * own[i] + s.offset[i];
   std::array<Matrix4, 7> frame;
   const std::array<Matrix4, 7>& off = s.deviations;
   frame[0] = s.X_WB * off[0];

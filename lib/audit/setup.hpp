@@ -98,6 +98,18 @@ struct Setup {
   std::array<Matrix4, 7> deviations = {Matrix4::Identity(), Matrix4::Identity(), Matrix4::Identity(),
                                        Matrix4::Identity(), Matrix4::Identity(), Matrix4::Identity(),
                                        Matrix4::Identity()};
+  /// By how much joint `joint` is ahead of the controller's angle a: amplitude · sin(count · a + phase), rad.
+  struct Wave {
+    size_t joint;
+    Real count, amplitude, phase;
+  };
+  /// Joint `joint` turns beside its own angle by factor times that of `by`.
+  struct Follower {
+    size_t joint, by;
+    Real factor;
+  };
+  std::vector<Wave> waves;
+  std::vector<Follower> followers;
   std::vector<ExternalAxis> axes;  ///< all at 0, as what stands in the world; each carries the later ones
   Real w1 = 0, w2 = 0;             ///< of objective chen2021; both 0 for others
   Real spacing = 0;                ///< mm
@@ -143,7 +155,8 @@ Matrix4 FrameXyzAbc(Real x, Real y, Real z, Real a_deg, Real b_deg, Real c_deg);
 Matrix4 Turn(int axis, Real angle);
 Matrix4 Shift(Real x, Real y, Real z);
 
-/// Frames of the base and of links 1..6 in W, by multiplying elementary matrices.
+/// Frames of the base and of links 1..6 in W where the controller has the joints at `angles`, by multiplying
+/// elementary matrices.
 std::array<Matrix4, 7> Frames(const Setup& setup, const Angles& angles);
 
 inline constexpr Real kDegree = 3.14159265358979323846264338327950288L / 180;

@@ -25,6 +25,8 @@ Arm MakeArm(const ArmSettings& settings);
 
 /// As the cell states them; frames 0 (base) to 6 (flange).
 ArmDeviations MakeDeviations(const DeviationSettings& settings);
+/// In which ways the arm may differ from them yet.
+std::vector<ArmDeviations> MakePatterns(const DeviationSettings& settings);
 
 /// Compliances beside the joints.
 std::vector<SeriesCompliance> MakeCompliances(const CellSettings& settings);

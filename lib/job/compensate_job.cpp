@@ -9,6 +9,7 @@
 #include "job/measured_forces.hpp"
 #include "job/measured_map.hpp"
 #include "planning/compensation/gain.hpp"
+#include "planning/face/arm_geometry.hpp"
 #include "planning/result/skipped.hpp"
 
 namespace millpose {
@@ -138,6 +139,13 @@ size_t CommandForTheArm(const JobInputs& inputs, PlanResult& plan) {
         fmt::format("compensation.deviations: the deviations of cell {} move the tip by up to {:.3f} "
                     "mm; allowed: {:.6g} mm (compensation.max_deviation_mm)",
                     inputs.cell.name, counts.largest_arm_shift, inputs.job.compensation.most_deviation));
+  if (counts.largest_gear_shift > inputs.job.compensation.most_gear)
+    throw InputError(
+        {inputs.job.file},
+        fmt::format(
+            "compensation.deviations: gears and couplings of cell {} move the tip by up to {:.3f} mm; "
+            "allowed: {:.6g} mm (compensation.max_gear_mm)",
+            inputs.cell.name, counts.largest_gear_shift, inputs.job.compensation.most_gear));
   std::vector<BlockedPiece> unreached;
   for (const auto& [p, i] : counts.out_of_reach)
     unreached.push_back({p, static_cast<size_t>(plan.passes[p].points[i].piece),
@@ -183,6 +191,9 @@ CompensationNotes CompensateJob(const JobInputs& inputs, const Stations& station
   execution.progress.Begin("compensation", 0);
   notes.findings = KeepCommandedFree(stations, options, inputs.job.swept_resolution, execution, plan);
   notes.remains = MedianRemains(options, plan);
+  if (options.deviations)
+    TellWhatIsLeft(*options.deviations, MakePatterns(*inputs.cell.arm.deviations),
+                   FinishedFrom(inputs.job, plan.passes.size()), plan);
   execution.progress.End(fmt::format("{} points shifted", counts.shifted));
   if (counts.cut > 0)
     notes.warnings.push_back(fmt::format(

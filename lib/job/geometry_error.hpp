@@ -7,10 +7,10 @@
 
 namespace millpose {
 
-/// What `arm.deviations` do to the cut points of passes from `finished_from` on, run from the nominal angles;
-/// none where the arm has none or nothing is cut. The frame measured with the arm takes out the shift and
-/// turn of the part that leave the least squares along the normals.
+/// What `arm.deviations` do to the cut points of passes from `finished_from` on, commanded as the plan has
+/// them (`taken_out`: for this arm); none where the arm has none or nothing is cut. The frame measured with
+/// the arm takes out the shift and turn of the part that leave the least squares along the normals.
 std::optional<GeometryFigures> ErrorOfGeometry(const ArmSettings& arm, const PlanResult& plan,
-                                               int finished_from);
+                                               int finished_from, bool taken_out);
 
 }  // namespace millpose

@@ -114,7 +114,18 @@ ArmDeviations MakeDeviations(const DeviationSettings& settings) {
     deviations.shift[i] = settings.shifts[i];
     deviations.turn[i] = settings.turns[i];
   }
+  deviations.law = {settings.gears, settings.couplings};
   return deviations;
+}
+
+std::vector<ArmDeviations> MakePatterns(const DeviationSettings& settings) {
+  std::vector<ArmDeviations> patterns;
+  for (const DeviationPattern& pattern : settings.patterns) {
+    ArmDeviations& made = patterns.emplace_back();
+    std::ranges::copy(pattern.shifts, made.shift.begin());
+    std::ranges::copy(pattern.turns, made.turn.begin());
+  }
+  return patterns;
 }
 
 Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::string>& body_bytes) {

@@ -71,6 +71,53 @@ BudgetRow LostMotionRow(const LostMotionReport& lost, double levers) {
   return row;
 }
 
+BudgetRow TakenOutRow(const GeometryFigures& geometry) {
+  const std::string left =
+      geometry.left
+          ? "what the measurements leave at the point that they tell least of, with 95 % probability "
+            "(arm.deviations.patterns)"
+      : geometry.uncertainty
+          ? "what the measurements leave, with 95 % probability"
+          : "by how much the measurements are off is not in it (arm.deviations.uncertainty_mm)";
+  return {"geometry", "geometry",
+          std::max(geometry.largest, geometry.left.value_or(geometry.uncertainty.value_or(0))),
+          fmt::format("taken out of the programs for arm {} as measured on {} (compensation.deviations); {}",
+                      geometry.serial, geometry.date, left)};
+}
+
+/// Of the gears' periodic error what a table of this arm says, and what nobody knows the phase of.
+BudgetRow GearRow(const LostMotionReport& lost, const GeometryFigures* geometry, double levers) {
+  BudgetRow row{"gear_error", "gear error", {}, {}};
+  std::optional<double> unknown;
+  if (lost.model.error) {
+    unknown = 0;
+    for (const std::optional<double>& one : lost.course.periodic)
+      unknown = std::max(*unknown, one.value_or(0));
+  }
+  const bool table = geometry != nullptr && geometry->gears;
+  if (unknown || table) row.largest = unknown.value_or(0) + (table ? *geometry->gears : 0);
+  if (table && geometry->taken_out)
+    row.basis = fmt::format(
+        "{:.3g} µm between the points of the path, at which the programs take out the tables of arm {}; ",
+        kMicrometresInMm * *geometry->gears, geometry->serial);
+  else if (table)
+    row.basis = fmt::format(
+        "{:.3g} µm by the tables of arm {}, of which its controller knows nothing (arm.deviations.gears); ",
+        kMicrometresInMm * *geometry->gears, geometry->serial);
+  if (unknown)
+    row.basis += table ? "what they leave, of unknown phase: at most, all gears adding up (arm.gear_error)"
+                       : "periodic, of unknown phase: at most, all gears adding up (arm.gear_error)";
+  else if (table)
+    row.basis += "what they leave nothing states (arm.gear_error)";
+  else
+    row.basis = fmt::format(
+        "transmission error of the gears; published: some 10 to 60 arcsec, in every joint at once {} here; "
+        "it "
+        "repeats, and much of it is the same for any pose",
+        Between(10 * kArcsecond, 60 * kArcsecond, levers));
+  return row;
+}
+
 }  // namespace
 
 double Budget::Sum() const {
@@ -103,26 +150,9 @@ Budget MakeBudget(const DeflectionReport* deflection, const LostMotionReport& lo
   const auto missing = [&](const char* key, const char* name, std::string basis) {
     budget.rows.push_back({key, name, std::nullopt, std::move(basis)});
   };
-  if (lost.model.error) {
-    double largest = 0;
-    for (const std::optional<double>& one : lost.course.periodic)
-      largest = std::max(largest, one.value_or(0));
-    budget.rows.push_back({"gear_error", "gear error", largest,
-                           "periodic, of unknown phase: at most, all gears adding up (arm.gear_error)"});
-  } else
-    missing("gear_error", "gear error",
-            fmt::format(
-                "transmission error of the gears; published: some 10 to 60 arcsec, in every joint at once "
-                "{} here; it repeats, and much of it is the same for any pose",
-                Between(10 * kArcsecond, 60 * kArcsecond, levers)));
+  budget.rows.push_back(GearRow(lost, geometry, levers));
   if (geometry != nullptr && geometry->taken_out)
-    budget.rows.push_back(
-        {"geometry", "geometry", std::max(geometry->largest, geometry->uncertainty.value_or(0)),
-         fmt::format("taken out of the programs for arm {} as measured on {} (compensation.deviations); {}",
-                     geometry->serial, geometry->date,
-                     geometry->uncertainty ? "what the measurements leave, with 95 % probability"
-                                           : "by how much the measurements are off is not in it "
-                                             "(arm.deviations.uncertainty_mm)")});
+    budget.rows.push_back(TakenOutRow(*geometry));
   else if (geometry != nullptr)
     budget.rows.push_back(
         {"geometry", "geometry", geometry->largest,

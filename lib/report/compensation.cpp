@@ -43,6 +43,9 @@ std::optional<CompensationFigures> FiguresOfCompensation(const PlanResult& plan)
       figures.largest_weight = std::max(figures.largest_weight, c.weight.norm());
       figures.largest_arm_shift = std::max(figures.largest_arm_shift, c.arm_shift.norm());
       figures.largest_arm_turn = std::max(figures.largest_arm_turn, c.arm_turn.norm());
+      if (c.arm_left) figures.arm_left = std::max(figures.arm_left.value_or(0), *c.arm_left);
+      if (!c.gear_shift.isZero(0.0))
+        figures.largest_gear = std::max(figures.largest_gear.value_or(0), c.gear_shift.norm());
       figures.shifts |= !c.shift.isZero(0.0) || !c.force.isZero(0.0);
       if (c.force.isZero(0.0)) continue;
       const Compensation::Along& d = c.normal;
@@ -65,7 +68,12 @@ std::string CompensationCsv(const PlanResult& plan) {
       fmt::format_to(std::back_inserter(csv), ",{}_{}_um", along, what);
   csv +=
       ",shift_x_um,shift_y_um,shift_z_um,weight_x_um,weight_y_um,weight_z_um,cut_to_max,map_um"
-      ",arm_x_um,arm_y_um,arm_z_um,arm_turn_x_mrad,arm_turn_y_mrad,arm_turn_z_mrad\n";
+      ",arm_x_um,arm_y_um,arm_z_um,arm_turn_x_mrad,arm_turn_y_mrad,arm_turn_z_mrad";
+  const std::optional<CompensationFigures> figures = FiguresOfCompensation(plan);
+  const bool gears = figures && figures->largest_gear;
+  const bool left = figures && figures->arm_left;
+  csv += gears ? ",gear_x_um,gear_y_um,gear_z_um" : "";
+  csv += left ? ",arm_left_um_95\n" : "\n";
   size_t number = 0;
   for (const PassResult& pass : plan.passes) {
     for (size_t i = 0; i < pass.points.size(); ++i) {
@@ -83,6 +91,8 @@ std::string CompensationCsv(const PlanResult& plan) {
       fmt::format_to(std::back_inserter(row), ",{},{:.17g}", c.bounded ? 1 : 0, kMicrometres * c.map);
       AppendVector(kMicrometres * (R_PW * c.arm_shift), row);
       AppendVector(1e3 * (R_PW * c.arm_turn), row);
+      if (gears) AppendVector(kMicrometres * (R_PW * c.gear_shift), row);
+      if (left) row += c.arm_left ? fmt::format(",{:.17g}", kMicrometres * *c.arm_left) : std::string(",");
       csv += row + '\n';
     }
   }
@@ -97,6 +107,9 @@ std::string CompensationText(const CompensationFigures& f) {
                    "the arm's deviations are taken out: tip commanded up to {:.3f} mm elsewhere, tool "
                    "turned by up to {:.3f} deg\n",
                    f.largest_arm_shift, RadToDeg(f.largest_arm_turn));
+  if (f.largest_gear)
+    fmt::format_to(out, "  of it, tables and couplings of its joints move the tip by up to {:.3f} mm\n",
+                   *f.largest_gear);
   if (f.shifts || f.largest_arm_shift == 0)
     fmt::format_to(out, "compensation of {} cut points, tip shifted by at most {:.1f} µm\n", f.points,
                    kMicrometres * f.largest_shift);

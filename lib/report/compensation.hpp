@@ -26,7 +26,11 @@ struct CompensationFigures {
   double largest_map = 0;        ///< of it, the error map's
   double largest_arm_shift = 0;  ///< of the tip, for the arm's deviations, beside `largest_shift`
   double largest_arm_turn = 0;   ///< of the tool, likewise, rad
-  bool shifts = false;           ///< anything but deviations is taken out
+  std::optional<double> largest_gear =
+      {};  ///< of largest_arm_shift's parts, for its gears' tables and couplings
+  /// Largest half of the 95 % interval along the normal of what the measured geometry leaves.
+  std::optional<double> arm_left = {};
+  bool shifts = false;                             ///< anything but deviations is taken out
   double expected_before = 0, expected_after = 0;  ///< the largest
   double worst_before = 0, worst_after = 0;        ///< the largest that force and stiffness may make
   /// Median of |error after ÷ before| where something is taken out, over arms and forces within the bounds.
@@ -45,7 +49,9 @@ bool CouldHurt(const Compensation::Along& deflection);
 /// expected, between which values it lies, what is taken out, what remains at worst before and after, the
 /// shift of the tip and weight's share of it in P (µm), whether the shift was cut to
 /// compensation.max_mm, what an error map takes out along the normal (µm), and by how much the commanded tool
-/// lies elsewhere (µm) and is turned (rotation vector, mrad) for the arm's deviations, in P.
+/// lies elsewhere (µm) and is turned (rotation vector, mrad) for the arm's deviations, in P; where its
+/// joints have tables or couplings, the part of the former that is for them; where the
+/// cell says in which ways its geometry may be off yet, half of the 95 % interval along the normal (µm).
 std::string CompensationCsv(const PlanResult& plan);
 
 /// The lines of the terminal's summary.

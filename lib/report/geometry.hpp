@@ -15,6 +15,12 @@ struct GeometryFigures {
   std::string serial, date;
   bool taken_out = false;                  ///< the programs command poses for this arm
   std::optional<double> uncertainty = {};  ///< of what was taken out, 95 %
+  /// Of what was taken out, at the point of the face where it is least sure, along its normal, 95 %; in place
+  /// of `uncertainty` where it is known.
+  std::optional<double> left = {};
+  /// By how much the tables of its joints' gears are off, likewise after the frame was measured; where they
+  /// are taken out, what they leave between the points of the path; empty where nobody has measured any.
+  std::optional<double> gears = {};
 };
 
 }  // namespace millpose

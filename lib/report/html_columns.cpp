@@ -209,6 +209,13 @@ void AddCompensation(const PlanResult& plan, Collector& c) {
             if (!compensation) return std::nullopt;
             return compensation->arm_shift.norm();
           });
+  if (figures->largest_gear)
+    c.Add("gear_shift", "for gears", "Of it, for the tables and couplings of the joints", "mm",
+          Worse::kNeither, [](const PassResult& pass, size_t i) -> Value {
+            const auto& compensation = pass.points[i].compensation;
+            if (!compensation) return std::nullopt;
+            return compensation->gear_shift.norm();
+          });
   if (!figures->shifts) return;
   const auto along = [&](std::string key, std::string symbol, std::string label, Worse worse,
                          double (*value)(const Compensation::Along&)) {

@@ -417,7 +417,7 @@ Verdict Audit(const Folder& folder, const Options& options) {
   if (!folder.compensated.empty()) {
     AuditCommanded(folder, figures);
     cuts = CutsOf(commanded, folder.setup);
-    if (folder.deviations) motions.clear();  // that arm runs no nominal poses
+    if (folder.own_arm) motions.clear();  // that arm runs no nominal poses
     std::ranges::move(CutMotions(cuts), std::back_inserter(motions));
   }
   for (const auto& [controller, files] : folder.programs) {

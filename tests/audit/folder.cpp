@@ -67,7 +67,7 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   folder.whole = std::ranges::all_of(folder.rows, &Row::planned);
   folder.leans = std::ranges::any_of(folder.rows, [](const Row& row) { return row.lean.has_value(); });
   folder.goal = ReadGoal(ReadFile(path / "job.yaml"));
-  folder.deviations = ReadDeviations(ReadFile(path / "job.yaml"), optional("cell.yaml"));
+  folder.own_arm = ReadCommandedArm(ReadFile(path / "job.yaml"), optional("cell.yaml"));
   folder.along_normal = AlongNormal(ReadFile(path / "job.yaml"));
   if (fs::exists(path / "cell.yaml")) ReadCutter(path, &folder);
   if (const std::string csv = optional("compensation.csv"); !csv.empty())
@@ -173,18 +173,31 @@ Goal ReadGoal(const std::string& job_text) {
   return goal;
 }
 
-std::optional<std::array<Matrix4, 7>> ReadDeviations(const std::string& job, const std::string& cell) {
+OwnArm ReadOwnArm(const std::string& cell) {
+  const YAML::Node stated = YAML::Load(cell)["arm"]["deviations"];
+  OwnArm own;
+  own.frames.fill(Matrix4::Identity());
+  for (size_t i = 0; i < own.frames.size(); ++i) {
+    if (const YAML::Node shifts = stated["shifts_mm"]) own.frames[i].block<3, 1>(0, 3) = Triple(shifts[i]);
+    const YAML::Node turns = stated["turns_mrad"];
+    const Vector3 turn = turns ? Vector3(Triple(turns[i]) / 1000) : Vector3(Vector3::Zero());
+    if (const Real angle = turn.norm(); angle > 0)
+      own.frames[i].block<3, 3>(0, 0) = Eigen::AngleAxis<Real>(angle, turn / angle).toRotationMatrix();
+  }
+  for (const auto& wave : stated["gears"])
+    own.waves.push_back({wave["joint"].as<size_t>() - 1, wave["harmonic"].as<double>(),
+                         wave["amplitude_arcsec"].as<double>() * kDegree / 3600,
+                         wave["phase_deg"].as<double>() * kDegree});
+  for (const auto& one : stated["couplings"])
+    own.followers.push_back(
+        {one["joint"].as<size_t>() - 1, one["follows"].as<size_t>() - 1, one["factor"].as<double>()});
+  return own;
+}
+
+std::optional<OwnArm> ReadCommandedArm(const std::string& job, const std::string& cell) {
   const YAML::Node compensation = YAML::Load(job)["compensation"];
   if (!compensation || !compensation["deviations"].as<bool>(false)) return std::nullopt;
-  const YAML::Node stated = YAML::Load(cell)["arm"]["deviations"];
-  std::array<Matrix4, 7> deviations;
-  for (size_t i = 0; i < deviations.size(); ++i) {
-    const Vector3 turn = Triple(stated["turns_mrad"][i]) / 1000, shift = Triple(stated["shifts_mm"][i]);
-    deviations[i] = Shift(shift[0], shift[1], shift[2]);
-    if (const Real angle = turn.norm(); angle > 0)
-      deviations[i].block<3, 3>(0, 0) = Eigen::AngleAxis<Real>(angle, turn / angle).toRotationMatrix();
-  }
-  return deviations;
+  return ReadOwnArm(cell);
 }
 
 std::optional<Summary> ReadSummary(const std::string& text) {

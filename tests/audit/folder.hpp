@@ -118,6 +118,20 @@ struct BentPlate {
   Mesh Bent(const Mesh& part) const;  ///< in small triangles, to a µm
 };
 
+/// How an arm differs from what its controller computes with.
+struct OwnArm {
+  std::array<Matrix4, 7> frames;  ///< as Setup::deviations
+  std::vector<Setup::Wave> waves;
+  std::vector<Setup::Follower> followers;
+
+  Setup In(Setup nominal) const {
+    nominal.deviations = frames;
+    nominal.waves = waves;
+    nominal.followers = followers;
+    return nominal;
+  }
+};
+
 /// A folder as read.
 struct Folder {
   std::optional<BentPlate> plate;               ///< of a bent part
@@ -129,8 +143,7 @@ struct Folder {
   bool leans = false;        ///< the plan chose them: points.csv tells them
   bool along_normal = true;  ///< the job has the tool along the surface's normal, the tip on the surface
   std::vector<PlannedLinkMove> gaps;
-  /// Of the arm's frames, where the programs are for the arm as it is.
-  std::optional<std::array<Matrix4, 7>> deviations;
+  std::optional<OwnArm> own_arm;  ///< where the programs are for the arm as it is
   Goal goal;
   Real cutter_radius = 0, corner_radius = 0;  ///< mm
   std::map<int, Deflected> deflected;         ///< by point
@@ -147,10 +160,7 @@ struct Folder {
     return external.empty() ? setup : stations.at(external);
   }
   /// The arm that runs the programs.
-  Setup AsItIs(Setup nominal) const {
-    if (deviations) nominal.deviations = *deviations;
-    return nominal;
-  }
+  Setup AsItIs(Setup nominal) const { return own_arm ? own_arm->In(std::move(nominal)) : nominal; }
 };
 
 /// Reads `path`. Cell and mesh are named in job.yaml relative to where the job was: `inputs`, else the folder
@@ -164,7 +174,9 @@ Setup ReadSetup(const std::string& job, const std::vector<std::filesystem::path>
 
 /// Parts of ReadFolder.
 Goal ReadGoal(const std::string& job);
-std::optional<std::array<Matrix4, 7>> ReadDeviations(const std::string& job, const std::string& cell);
+std::optional<OwnArm> ReadCommandedArm(const std::string& job, const std::string& cell);
+/// The arm of a cell that says how it differs from its sheet.
+OwnArm ReadOwnArm(const std::string& cell);
 std::map<int, Compensated> ReadCompensated(const std::string& csv, const Matrix3& R_WP);
 std::map<int, Deflected> ReadDeflected(const std::string& csv, const Matrix3& R_WP);
 std::optional<Summary> ReadSummary(const std::string& json);

@@ -111,5 +111,7 @@ class Axes {
 
 /// LS programs (FANUC): positions first, then the statements that go to them.
 std::vector<Target> ReadFanuc(const std::map<std::string, std::string>& files, const Setup& setup);
+/// RAPID (ABB).
+std::vector<Target> ReadRapid(const std::map<std::string, std::string>& files, const Setup& setup);
 
 }  // namespace millpose::audit

@@ -285,6 +285,7 @@ std::vector<Target> ReadProgram(const std::string& controller,
   if (controller == "linuxcnc") return ReadLinuxCnc(files, setup);
   if (controller == "urscript") return ReadUrScript(files, setup);
   if (controller == "fanuc") return ReadFanuc(files, setup);
+  if (controller == "rapid") return ReadRapid(files, setup);
   throw std::runtime_error("programs/" + controller + ": no reader for this controller");
 }
 

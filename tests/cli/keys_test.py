@@ -412,10 +412,10 @@ class All(Keys):
         for name in ("job", "cell"):
             schema = json.loads((TOP / "docs" / "schema" / f"{name}.schema.json").read_text())
             wanted |= set(resolved_yaml.leaves(schema))
-        # An operation is a job of its own; of several tools the keys are those of `tool`.
+        # An operation is a job of its own, and a setup has keys of its workpiece; of several tools the keys are those of `tool`.
         # A tool's compliances are read by the table of `stiffness.compliances`; one key of them shows that they count.
         # What `placement` says is for `millpose place` (place_test.py).
-        twice = ("placement.", "operations[]", "tools[].tip", "tools[].axis", "tools[].x_", "tools[].cutter", "tools[].stack", "tools[].load",
+        twice = ("placement.", "operations[]", "setups[]", "tools[].tip", "tools[].axis", "tools[].x_", "tools[].cutter", "tools[].stack", "tools[].load",
                  "tool.number", "tool.compliances[]", "tools[].compliances[].matrix", "tools[].compliances[].mount",
                  "tools[].compliances[].pose", "tools[].compliances[].rotational")
         wanted = {key for key in wanted if not key.startswith(twice)} - LEFT_OUT.keys() if ALL else FEW_KEYS

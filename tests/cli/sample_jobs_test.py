@@ -108,18 +108,44 @@ class SampleJobs(InFolder):
                 self.assertEqual(told.returncode, 0, told.stderr)
                 self.assertEqual(page.read_text().count('<section class="page">'), 2)
 
-    def test_a_pocket_is_roughed_rested_and_finished(self):
+    def test_a_panel_is_milled_from_both_sides(self):
+        """cabin_pocket: roughed, rested and finished in one setup, then turned over: programs for each, and the material handed on."""
         result = run("plan", TOP / "toolpaths" / "cabin_pocket" / "job.yaml", "-o", self.folder / "out", "-q")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         whole = json.loads((self.folder / "out" / "summary.json").read_text())
         self.assertEqual(whole["points"]["planned"], whole["points"]["total"])
-        self.assertEqual({program["controller"] for program in whole["programs"]}, {"krl", "sinumerik", "linuxcnc"})
+        self.assertEqual([(program["controller"], program["setup"]) for program in whole["programs"]],
+                         [(controller, setup) for controller in ("krl", "sinumerik", "linuxcnc") for setup in ("face", "back")])
         self.assertTrue(all(program["verified"] for program in whole["programs"]))
-        milled, blank, removed = Milled(90, 65), 180 * 130 * 36 / 1e3, 0.0
-        for folder, radius in zip(sorted((self.folder / "out" / "operations").iterdir()), (20, 10, 10)):
+        self.check_mains(self.folder / "out" / "programs" / "krl")
+        setups = [operation["setup"] for operation in whole["operations"]]
+        self.assertEqual(setups, ["face", "face", "face", "back", "back"])
+        removed = self.check_removed(setups)
+        # In the end both pockets, with corners of 12 and 22 mm.
+        for setup, (length, width, depth, corner) in (("face", (140, 90, 20, 12)), ("back", (120, 70, 8, 22))):
+            pocket = depth * (length * width - (4 - math.pi) * corner ** 2)
+            self.assertAlmostEqual(removed[setup], pocket, delta=0.005 * pocket)
+
+    def check_mains(self, programs):
+        """Each setup's main program is confirmed, but not with the text of the other's."""
+        mains = [next(file for file in programs.glob(f"{setup}_?????.src")) for setup in ("face", "back")]
+        texts = [main.read_text() for main in mains]
+        for main, text, other in zip(mains, texts, texts[::-1]):
+            self.assertEqual(run("verify", main, "--plan", self.folder / "out").returncode, 0)
+            main.write_text(other)
+            told = run("verify", main, "--plan", self.folder / "out")
+            self.assertIn(told.returncode, (1, 2), told.stdout + told.stderr)
+            main.write_text(text)
+        whole = run("verify", self.folder / "out", "-q")
+        self.assertEqual(whole.returncode, 0, whole.stdout)
+
+    def check_removed(self, setups):
+        """Operation by operation, what is taken off against an independent count; mm³ by setup, as counted."""
+        milled, blank, removed = {setup: Milled(90, 65) for setup in setups}, 180 * 130 * 36 / 1e3, 0.0
+        for folder, setup, radius in zip(sorted((self.folder / "out" / "operations").iterdir()), setups, (20, 10, 10, 20, 10)):
             stock = json.loads((folder / "summary.json").read_text())["stock"]
             self.assertEqual(stock["pieces_left_out"], 0)
-            self.assertAlmostEqual(stock["blank_cm3"], blank - removed, 3)
+            self.assertAlmostEqual(stock["blank_cm3"], blank - removed, 3, "what was milled before is gone, in a setup before too")
             self.assertGreater(stock["removed_cm3"], 5)
             removed += stock["removed_cm3"]
             head, *rows = (folder / "points.csv").read_text().splitlines()
@@ -127,12 +153,11 @@ class SampleJobs(InFolder):
             for row in rows:
                 value = dict(zip(head.split(","), row.split(",")))
                 x, y, z = (float(value[f"{axis}_mm"]) for axis in "xyz")
-                points.append((value["pass"], z - 1200, y, 1900 - x))  # by the job's pose: the face looks at the arm
-            milled.mill(points, radius)
-            self.assertAlmostEqual(removed, milled.removed / 1e3, delta=0.005 * removed)
-        # In the end the whole pocket, with corners of 12 mm.
-        pocket = 20 * (140 * 90 - (4 - math.pi) * 12 ** 2)
-        self.assertAlmostEqual(milled.removed, pocket, delta=0.005 * pocket)
+                points.append((value["pass"], z - 1200, y, 1900 - x))  # in both setups the milled side lies at x = 1900 and looks at the arm
+            milled[setup].mill(points, radius)
+            counted = sum(side.removed for side in milled.values()) / 1e3
+            self.assertAlmostEqual(removed, counted, delta=0.005 * removed)
+        return {setup: side.removed for setup, side in milled.items()}
 
     def test_every_strategy_has_a_sample(self):
         schema = json.loads((TOP / "docs" / "schema" / "job.schema.json").read_text())

@@ -17,7 +17,8 @@ BENCH = None
 
 
 class Samples(unittest.TestCase):
-    def check(self, name, least_points):
+    def check(self, name, least_points, off_the_part=()):
+        """off_the_part: operations whose points do not lie on it, as roughing does not."""
         job = BENCH.job(name)
         result, folder = BENCH.plan(job, name, "--threads", "1", timeout=1800)
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
@@ -27,7 +28,8 @@ class Samples(unittest.TestCase):
         operations = folder / "operations"
         for plan in sorted(operations.iterdir()) if operations.exists() else [folder]:
             status, verdict = BENCH.audit(plan, job, "--travel-mm", "0.2")
-            self.assertEqual((status, verdict["broken"]), (0, {}), plan.name)
+            allowed = {"max_slice_distance_mm"} if plan.name in off_the_part else set()
+            self.assertEqual((status, set(verdict["broken"])), (1 if allowed else 0, allowed), plan.name)
         self.check_summary(job, folder)
         reference = contents(folder)
         for threads in ("2", "4"):
@@ -62,7 +64,7 @@ class Samples(unittest.TestCase):
         self.check("cabin_trim", 400)
 
     def test_cabin_pocket(self):
-        self.check("cabin_pocket", 500)
+        self.check("cabin_pocket", 800, ("01_rough_pocket", "02_rest_corners", "04_rough_back"))
 
 
 class Kills(unittest.TestCase):

@@ -18,7 +18,6 @@ using audit::Angles;
 using audit::Matrix3;
 using audit::Matrix4;
 using audit::Row;
-using audit::Vector3;
 
 Vector3 Tip(const Matrix4& X) { return X.block<3, 1>(0, 3); }
 
@@ -211,15 +210,35 @@ std::string ToJson(const Verdict& v) {
          "\n";
 }
 
-OwnArmVerdict RunOnOwnArm(const audit::Folder& folder, const std::string& controller) {
+namespace {
+
+/// How far a way is off along the normal beside the straight line between two planned points.
+Real OffBetween(const std::vector<Matrix4>& way, const Row& from, const Row& to) {
+  if (!from.cut || !to.cut) return 0;
+  const Vector3 along = to.position - from.position;
+  const Real square = along.squaredNorm();
+  Real largest = 0;
+  for (const Matrix4& X : way) {
+    const Real share = square > 0 ? (Tip(X) - from.position).dot(along) / square : -1;
+    const Vector3 off = Tip(X) - from.position - share * along;
+    if (share < 0 || share > 1 || off.norm() > 5) continue;  // mm: another pass
+    largest = std::max(largest, std::abs(off.dot(Vector3((1 - share) * from.normal + share * to.normal))));
+  }
+  return largest;
+}
+
+}  // namespace
+
+OwnArmVerdict RunOnOwnArm(const audit::Folder& folder, const std::string& controller,
+                          const audit::OwnArm& arm) {
   std::vector<Row> rows = folder.rows;
   for (Row& row : rows)
     if (row.commanded) row.position = row.commanded->position, row.angles = row.commanded->angles;
   const auto targets = ReadProgram(controller, folder.programs.at(controller), folder.setup);
   std::vector<audit::Cut> cuts = CutsOf(rows, folder.setup);
   Compare(targets, cuts, folder.setup);
-  const audit::Setup own = folder.AsItIs(folder.setup);
-  constexpr int kParts = 4;  // of a straight motion
+  const audit::Setup own = arm.In(folder.setup);
+  constexpr int kParts = 8;  // of a straight motion
   OwnArmVerdict verdict;
   for (const audit::Cut& cut : cuts) {
     // The tool as its controller has it, and as it is, along the cut.
@@ -255,11 +274,19 @@ OwnArmVerdict RunOnOwnArm(const audit::Folder& folder, const std::string& contro
       }
       return std::pair(best, at);
     };
+    const auto planned_of = [&](const Row* row) -> const Row& {
+      return folder.rows[static_cast<size_t>(row - rows.data())];
+    };
+    for (size_t k = 0; k + 1 < cut.rows.size(); ++k)
+      verdict.between =
+          std::max(verdict.between, OffBetween(real, planned_of(cut.rows[k]), planned_of(cut.rows[k + 1])));
     for (const Row* row : cut.rows) {
-      const Row& planned = folder.rows[static_cast<size_t>(row - rows.data())];
+      const Row& planned = planned_of(row);
       if (!planned.cut) continue;
       ++verdict.points;
       const auto [tip, at] = nearest(real, planned.position);
+      verdict.each.push_back(
+          {planned.point, planned.position, planned.normal, (tip - planned.position).dot(planned.normal)});
       verdict.tip = std::max(verdict.tip, (tip - planned.position).norm());
       verdict.normal = std::max(verdict.normal, std::abs((tip - planned.position).dot(planned.normal)));
       verdict.axis =
@@ -271,14 +298,22 @@ OwnArmVerdict RunOnOwnArm(const audit::Folder& folder, const std::string& contro
   return verdict;
 }
 
-std::string ToJson(const OwnArmVerdict& v) {
-  return nlohmann::ordered_json{{"points", v.points},
-                                {"own_tip_um", static_cast<double>(1000 * v.tip)},
-                                {"own_normal_um", static_cast<double>(1000 * v.normal)},
-                                {"own_axis_deg", static_cast<double>(v.axis / audit::kDegree)},
-                                {"nominal_tip_um", static_cast<double>(1000 * v.nominal_tip)}}
-             .dump(2) +
-         "\n";
+std::string ToJson(const OwnArmVerdict& v, bool each) {
+  nlohmann::ordered_json json{{"points", v.points},
+                              {"own_tip_um", static_cast<double>(1000 * v.tip)},
+                              {"own_normal_um", static_cast<double>(1000 * v.normal)},
+                              {"own_between_um", static_cast<double>(1000 * v.between)},
+                              {"own_axis_deg", static_cast<double>(v.axis / audit::kDegree)},
+                              {"nominal_tip_um", static_cast<double>(1000 * v.nominal_tip)}};
+  if (each)
+    for (const OwnArmVerdict::Each& one : v.each) {
+      const auto& [point, p, n, off] = one;
+      nlohmann::ordered_json row = {point};
+      for (const Real value : {p[0], p[1], p[2], n[0], n[1], n[2], 1000 * off})
+        row.push_back(static_cast<double>(value));
+      json["each"].push_back(row);
+    }
+  return json.dump(each ? -1 : 2) + "\n";
 }
 
 }  // namespace millpose::loop

@@ -12,6 +12,7 @@
 namespace millpose::loop {
 
 using audit::Real;
+using audit::Vector3;
 
 /// Within which the truth is drawn: shares, rad.
 struct Bounds {
@@ -41,16 +42,26 @@ Verdict Run(const audit::Folder& folder, const std::string& controller, const Bo
 
 std::string ToJson(const Verdict& verdict);
 
-/// Where the tool of an arm with deviations goes when its controller, which computes with the nominal arm,
-/// runs a program: largest distance of a planned cut point from the way of the tip, mm, along the normal
+/// Where the tool of an arm that is not its sheet's goes when its controller, which computes with the nominal
+/// arm, runs a program: largest distance of a planned cut point from the way of the tip, mm, along the normal
 /// alone, and of the tool's direction, rad. Expected deflections left aside.
 struct OwnArmVerdict {
   size_t points = 0;
   Real tip = 0, normal = 0, axis = 0;
+  Real between = 0;  ///< along the normal, of the way between two planned cut points
+  /// Each cut point: number, place and normal in W, the tip's error along it, mm.
+  struct Each {
+    int point;
+    Vector3 place, normal;
+    Real off;
+  };
+  std::vector<Each> each;
   Real nominal_tip = 0;  ///< the same distance of the tip that the controller believes in
 };
-OwnArmVerdict RunOnOwnArm(const audit::Folder& folder, const std::string& controller);
+OwnArmVerdict RunOnOwnArm(const audit::Folder& folder, const std::string& controller,
+                          const audit::OwnArm& arm);
 
-std::string ToJson(const OwnArmVerdict& verdict);
+/// `each`: with every point.
+std::string ToJson(const OwnArmVerdict& verdict, bool each);
 
 }  // namespace millpose::loop

@@ -21,11 +21,16 @@ int main(int argc, char** argv) {
   app.add_option("--seed", seed, "of the draws")->capture_default_str();
   bool own_arm = false;
   app.add_flag("--own-arm", own_arm, "with the deviations of the cell's arm, nothing drawn");
+  std::filesystem::path truth;
+  app.add_option("--true-arm", truth, "with --own-arm: a cell whose arm runs the programs instead");
+  bool each = false;
+  app.add_flag("--each", each, "with --own-arm: every point's error");
   CLI11_PARSE(app, argc, argv);
   try {
     const loop::Bounds bounds = loop::BoundsOf(ReadFile(folder / "job.yaml"), ReadFile(folder / "cell.yaml"));
     if (own_arm) {
-      std::cout << loop::ToJson(loop::RunOnOwnArm(audit::ReadFolder(folder, inputs), controller));
+      const audit::OwnArm arm = audit::ReadOwnArm(ReadFile(truth.empty() ? folder / "cell.yaml" : truth));
+      std::cout << loop::ToJson(loop::RunOnOwnArm(audit::ReadFolder(folder, inputs), controller, arm), each);
       return 0;
     }
     std::cout << ToJson(Run(audit::ReadFolder(folder, inputs), controller, bounds, draws, seed));

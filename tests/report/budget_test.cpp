@@ -100,6 +100,26 @@ TEST(Budget, AMeasuredArmIsStated) {
   EXPECT_EQ(std::ranges::count(budget.LeftOut(), "geometry"), 0);
 }
 
+TEST(Budget, GearsTablesCountUntilTheyAreTakenOutAndThenWhatTheyLeaveDoes) {
+  GearModel model = Stated(0.3);
+  const LostMotionReport silent = ReportLostMotion(TurningPlan(), model, "measured", 0);
+  model.error.emplace();
+  model.error->amplitude << 0, 0, 1e-5, 0, 0, 0;
+  const LostMotionReport lost = ReportLostMotion(TurningPlan(), model, "measured", 0);
+  const double rest = *RowOf(MakeBudget(nullptr, lost), "gear_error").largest;
+  GeometryFigures geometry{0.2, 1.5, "A17", "2026-11-26"};
+  geometry.gears = 0.07;
+  EXPECT_DOUBLE_EQ(*RowOf(MakeBudget(nullptr, lost, nullptr, &geometry), "gear_error").largest, 0.07 + rest);
+  EXPECT_DOUBLE_EQ(*RowOf(MakeBudget(nullptr, silent, nullptr, &geometry), "gear_error").largest, 0.07);
+  geometry.taken_out = true;
+  geometry.gears = 0.004;  // between points
+  EXPECT_DOUBLE_EQ(*RowOf(MakeBudget(nullptr, lost, nullptr, &geometry), "gear_error").largest, 0.004 + rest);
+  const BudgetRow row = RowOf(MakeBudget(nullptr, silent, nullptr, &geometry), "gear_error");
+  EXPECT_DOUBLE_EQ(*row.largest, 0.004);
+  EXPECT_NE(row.basis.find("take out the tables of arm A17"), std::string::npos) << row.basis;
+  EXPECT_NE(row.basis.find("what they leave nothing states"), std::string::npos) << row.basis;
+}
+
 TEST(Budget, ARegisteredPlaceIsStated) {
   const LostMotionReport lost = ReportLostMotion(TurningPlan(), Stated(0.3), "measured", 0);
   RegistrationFigures registration;

@@ -247,6 +247,7 @@ TEST(ReportHtml, EveryChartFindsItsColumns) {
   PlanResult compensated = input.plan;
   Compensation& compensation = compensated.passes.front().points.front().compensation.emplace();
   compensation.force = compensation.arm_shift = Eigen::Vector3d::UnitX();
+  compensation.gear_shift = Eigen::Vector3d::UnitX();
   LostMotionReport lost = ReportLostMotion(compensated, {}, "", 0);
   lost.model.known.fill(true);
   HtmlInput shown{compensated, input.cell, input.grid, input.curves, input.settings, input.deflection};
@@ -263,7 +264,7 @@ TEST(ReportHtml, EveryChartFindsItsColumns) {
       EXPECT_TRUE(known.contains((*key)[1])) << (*key)[1];
   }
   EXPECT_EQ(charts, 13u);
-  EXPECT_EQ(keys, 24u);
+  EXPECT_EQ(keys, 25u);
 }
 
 TEST(ReportHtml, ColumnsHoldThePlanInTheirUnits) {

@@ -80,31 +80,6 @@ void CheckLengths(const Value& lengths, const Context& context, const ArmSetting
                             "parallel_axes");
 }
 
-const Unit kMrad{"mrad", 1, 1000};
-
-/// 2026-11-26.
-bool IsDate(const std::string& text) {
-  constexpr std::string_view kForm = "dddd-dd-dd";
-  if (text.size() != kForm.size()) return false;
-  for (size_t i = 0; i < text.size(); ++i)
-    if (kForm[i] == 'd' ? text[i] < '0' || text[i] > '9' : text[i] != kForm[i]) return false;
-  return true;
-}
-
-/// Deviations are one arm's, and a controller that has them itself must not be given them again.
-void CheckDeviations(const Value& value, const Context& context, const ArmSettings& arm) {
-  const auto *serial = value.FindKey("serial"), *deviations = value.FindKey("deviations");
-  if (deviations && !serial)
-    context.Child("serial").Add(deviations->mark, "missing; required with deviations: whose they are");
-  if (serial && !deviations)
-    context.Child("serial").Add(serial->mark, "has no effect here: deviations is missing");
-  if (deviations && arm.absolute_accuracy)
-    context.Child("deviations")
-        .Add(deviations->mark,
-             "given together with absolute_accuracy: true, a controller that knows them itself; allowed: one "
-             "of the two");
-}
-
 /// With a URDF, what it says is not said again; what it does not say must be.
 void CheckArm(const Value& value, const Context& context, ArmSettings& arm) {
   CheckGears(value, context, arm);
@@ -123,41 +98,6 @@ void CheckArm(const Value& value, const Context& context, ArmSettings& arm) {
 }
 
 }  // namespace
-
-Codec<DeviationSettings> DeviationFields() {
-  using S = DeviationSettings;
-  return Section<S>(
-      {
-          Key<S>("shifts_mm", MILLPOSE_AT(shifts), ListOf(Numbers3(kMm, Between(-50, 50))),
-                 "Seven rows, of the frames 0 (base) and 1 to 6 (after joint 1 to 6; 6 is the flange): where "
-                 "each truly stands, in the axes of its nominal self.")
-              .Required(),
-          Key<S>("turns_mrad", MILLPOSE_AT(turns), ListOf(Numbers3(kMrad, Between(-100, 100))),
-                 "Likewise how it is turned: rotation vectors.")
-              .Required(),
-          Key<S>("uncertainty_mm", MILLPOSE_AT(uncertainty), Maybe(Real(kMm, UpTo(10))),
-                 "How far a point of the flange may be off along any direction once they are taken out, 95 "
-                 "%; the "
-                 "budget tells it then.")
-              .WhenSet([](const S& s) { return s.uncertainty.has_value(); })
-              .DefaultText("not known"),
-          Key<S>("source", MILLPOSE_AT(source), Lines(), "How they were found, and how sure they are.")
-              .Required(),
-          Key<S>("date", MILLPOSE_AT(date), Text(), "When they were measured: year-month-day.").Required(),
-      },
-      [](const Value& value, const Context& context, S& s) {
-        const auto check = [&](const char* key, size_t rows) {
-          if (const auto* given = value.FindKey(key); given && rows != 7)
-            context.Child(key).Add(given->mark,
-                                   fmt::format("given {} rows; allowed: seven, base to flange", rows));
-        };
-        check("shifts_mm", s.shifts.size());
-        check("turns_mrad", s.turns.size());
-        if (const auto* given = value.FindKey("date"); given && !IsDate(s.date))
-          context.Child("date").Add(given->mark,
-                                    fmt::format("given {}; allowed: a date such as 2026-11-26", s.date));
-      });
-}
 
 Codec<ArmSettings> ArmFields() {
   using S = ArmSettings;

@@ -54,9 +54,17 @@ struct GearErrorSettings {
   std::string source;
 };
 
-/// How the geometry of one arm differs from its sheet (docs/arm-deviations.md).
+/// One way in which all frames may still be off together, by its standard deviation.
+struct DeviationPattern {
+  std::vector<Eigen::Vector3d> shifts, turns;  ///< of the frames 0 to 6; mm, rad
+};
+
+/// How one arm differs from its sheet (docs/arm-deviations.md, docs/gear-table.md).
 struct DeviationSettings {
   std::vector<Eigen::Vector3d> shifts, turns;  ///< of the frames 0 to 6 of LinkFrames(); mm, rad
+  std::vector<JointHarmonic> gears;            ///< tables of the transmission error
+  std::vector<JointCoupling> couplings;        ///< joints that turn with others
+  std::vector<DeviationPattern> patterns;      ///< independent of each other
   std::optional<double> uncertainty;           ///< mm, of the flange's position along any direction, 95 %
   std::string source, date;
 };

@@ -18,9 +18,10 @@ void CheckEffect(const Value& value, const Context& context, CompensationSetting
 // What only deviations follow, also where nothing else is taken out.
 void CheckDeviationKeys(const Value& value, const Context& context, CompensationSettings& s) {
   CheckEffect(value, context, s);
-  if (const Value::Key* found = value.FindKey("max_deviation_mm"); found && !s.deviations)
-    context.Child("max_deviation_mm")
-        .Add(found->mark, "has no effect here: compensation.deviations is false");
+  if (s.deviations) return;
+  for (const char* key : {"max_deviation_mm", "max_gear_mm"})
+    if (const Value::Key* found = value.FindKey(key))
+      context.Child(key).Add(found->mark, "has no effect here: compensation.deviations is false");
 }
 
 }  // namespace
@@ -67,6 +68,10 @@ Codec<CompensationSettings> CompensationFields() {
                  "Most that the arm's deviations may move the tip by: more is taken for wrong values.")
               .WhenSet([](const S& s) { return s.deviations; })
               .DefaultText("5"),
+          Key<S>("max_gear_mm", MILLPOSE_AT(most_gear), Real(kMm, Positive(10)),
+                 "Likewise what its gears' tables and couplings may.")
+              .WhenSet([](const S& s) { return s.deviations && s.most_gear != 1; })
+              .DefaultText("1"),
       },
       CheckDeviationKeys);
 }

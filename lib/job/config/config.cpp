@@ -2,6 +2,8 @@
 #include "job/config/config.hpp"
 
 #include "job/config/operations.hpp"
+#include "job/config/setup_names.hpp"
+#include "job/config/setups.hpp"
 
 namespace millpose {
 namespace {
@@ -168,6 +170,14 @@ JobOutline OutlineOf(std::string_view yaml, const std::string& name, const std::
   const config::Value root = JobRoot(yaml, name, overrides);
   const config::Value* own = root.Find("name");
   return {own ? own->text : std::string(), NamesOf(root, name)};
+}
+
+std::vector<std::string> SetupNames(std::string_view yaml, const std::string& name,
+                                    const std::vector<Override>& overrides) {
+  const config::Value root = JobRoot(yaml, name, overrides);
+  std::vector<std::string> setups;
+  for (size_t i = 0; i < NamesOf(root, name).size(); ++i) setups.push_back(config::SetupOf(root, i));
+  return setups;
 }
 
 std::string WithOverrides(std::string_view yaml, const std::string& name,

@@ -41,6 +41,8 @@ Codec<RegionOptions> RegionFields();
 /// The sections of a cell.
 Codec<ArmSettings> ArmFields();
 Codec<DeviationSettings> DeviationFields();
+/// Deviations are one arm's, and a controller that has them itself must not be given them again.
+void CheckDeviations(const Value& value, const Context& context, const ArmSettings& arm);
 /// `fields` and those of its gears, and what is wrong with these.
 std::vector<Field<ArmSettings>> WithGears(std::vector<Field<ArmSettings>> fields);
 void CheckGears(const Value& value, const Context& context, const ArmSettings& arm);
@@ -48,7 +50,7 @@ void CheckGearFriction(const Value& value, const Context& context, const CellSet
 /// A lost motion (`key`) has a source, and a source one.
 void CheckLostMotionSource(const Value& value, const Context& context, const char* key,
                            const std::string& source);
-extern const Unit kArcmin, kNewtonMetre;
+extern const Unit kArcmin, kArcsec, kNewtonMetre;
 Codec<ToolSettings> ToolFields();
 Codec<BodySettings> BodyFields();
 Codec<ShapeSettings> ShapeFields();

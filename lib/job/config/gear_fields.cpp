@@ -38,8 +38,6 @@ Codec<GearCoupling> CouplingFields() {
       });
 }
 
-const Unit kArcsec{"arcsec", kRadPerDeg, 3600};
-
 Codec<GearErrorSettings> GearErrorFields() {
   using S = GearErrorSettings;
   return Section<S>({
@@ -59,6 +57,7 @@ Codec<GearErrorSettings> GearErrorFields() {
 }  // namespace
 
 const Unit kArcmin{"arcmin", kRadPerDeg, 60};
+const Unit kArcsec{"arcsec", kRadPerDeg, 3600};
 
 std::vector<Field<ArmSettings>> WithGears(std::vector<Field<ArmSettings>> fields) {
   using S = ArmSettings;
@@ -77,7 +76,7 @@ std::vector<Field<ArmSettings>> WithGears(std::vector<Field<ArmSettings>> fields
   fields.push_back(
       Key<S>("gear_error", MILLPOSE_AT(gear_error), Maybe(GearErrorFields()),
              "Periodic error of the gears, of unknown phase: it counts in the budget and in the faces that "
-             "`millpose face` draws.")
+             "`millpose face` draws. Of gears in `deviations.gears`: what the table leaves.")
           .WhenSet([](const S& s) { return s.gear_error.has_value(); })
           .DefaultText("not known"));
   fields.push_back(

@@ -2,6 +2,7 @@
 // A job file: its sections, each with a table of its own.
 #include "job/config/fields.hpp"
 #include "job/config/operations.hpp"
+#include "job/config/setups.hpp"
 #include "planning/pose/freedom_entry.hpp"
 #include "planning/pose/objective.hpp"
 #include "toolpath/strategy.hpp"
@@ -173,6 +174,7 @@ const Codec<JobSettings>& JobFields() {
   };
   static const Codec<S> fields = [] {
     std::vector<Field<S>> all = kOwn;
+    all.push_back(SetupsField(kOwn));
     all.push_back(OperationsField(kOwn));
     Codec<S> job = Section<S>(std::move(all), Check);
     LeaveToOperations(job.schema);

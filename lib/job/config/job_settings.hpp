@@ -137,8 +137,9 @@ struct CompensationSettings {
   CompensatedLayers layers = CompensatedLayers::kFinished;
   bool weight = false;
   std::string map_file;       ///< of a measured part's error; empty: none
-  bool deviations = false;    ///< of the arm's frames
-  double most_deviation = 5;  ///< mm, that they may move the tip by
+  bool deviations = false;    ///< of the arm's frames and joints
+  double most_deviation = 5;  ///< mm, that those of the frames may move the tip by
+  double most_gear = 1;       ///< mm, that the law of its joints may move it by
 
   /// Whether tips are shifted from where the plan has them.
   bool Shifts() const { return deflection != TakeOut::kOff || weight || !map_file.empty(); }

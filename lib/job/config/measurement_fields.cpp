@@ -227,8 +227,14 @@ std::vector<TrackedRow> ParseTracked(std::string_view csv, const std::string& na
 
 std::string ReplaceDeviations(const std::string& cell_yaml, const std::string& name,
                               const DeviationSettings& deviations, const std::string& serial) {
+  DeviationSettings whole = deviations;
+  const ArmSettings before = ParseCell(cell_yaml, name).arm;
+  if (before.deviations && before.serial == serial) {
+    whole.gears = before.deviations->gears;
+    whole.couplings = before.deviations->couplings;
+  }
   std::string text = config::WithKey(cell_yaml, name, "arm", "deviations",
-                                     config::WriteYamlLine(config::DeviationFields().write(deviations)));
+                                     config::WriteYamlLine(config::DeviationFields().write(whole)));
   text = config::WithKey(text, name, "arm", "serial", config::WriteYamlLine(config::Value::Text(serial)));
   ParseCell(text, name);
   return text;

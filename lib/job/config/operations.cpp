@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job/config/operations.hpp"
 
+#include "job/config/setups.hpp"
 #include "program/program_name.hpp"
 
 namespace millpose::config {
@@ -47,7 +48,9 @@ Value WithoutRequired(const Value& schema) {
 }
 
 std::vector<FieldInfo> OperationKeys() {
-  std::vector<FieldInfo> keys = {{"name", "text", "", "Name of the operation, and of its folder.", true, {}}};
+  std::vector<FieldInfo> keys = {
+      {"name", "text", "", "Name of the operation, and of its folder.", true, {}},
+      {"setup", "text", "", "Which of the job's `setups`; required with them.", false, {}}};
   for (const std::string& section : kSections)
     keys.push_back({section,
                     section == "tool" ? "text" : "map",
@@ -98,6 +101,7 @@ Field<JobSettings> OperationsField(const std::vector<Field<JobSettings>>& fields
   name.Put("type", Value::Text("string"));
   name.Put("pattern", Value::Text("^[A-Za-z][A-Za-z0-9_-]*$"));
   properties.Put("name", name);
+  properties.Put("setup", name);
   for (const Field<JobSettings>& field : fields)
     if (std::ranges::find(kSections, field.info.key) != kSections.end())
       properties.Put(field.info.key,
@@ -169,6 +173,7 @@ std::vector<std::string> OperationNames(const Value& root, const Context& contex
     names.push_back(name->text);
   }
   RefuseUnused(root, list.items, context);
+  CheckSetups(root, names, context);
   return names;
 }
 
@@ -177,12 +182,14 @@ Value OperationRoot(const Value& root, size_t number) {
   Value own = Value::Map();
   own.mark = root.mark;
   for (size_t i = 0; i < root.keys.size(); ++i) {
-    if (root.keys[i].text == "operations") continue;
+    if (root.keys[i].text == "operations" || root.keys[i].text == "setups") continue;
     own.keys.push_back(root.keys[i]);
     own.items.push_back(root.items[i]);
   }
   for (size_t i = 0; i < operation.keys.size(); ++i)
-    if (operation.keys[i].text != "name") Override(own, operation.keys[i], operation.items[i]);
+    if (operation.keys[i].text != "name" && operation.keys[i].text != "setup")
+      Override(own, operation.keys[i], operation.items[i]);
+  PlaceInSetup(root, number, own);
   const std::string operation_name = operation.Find("name")->text;
   own.Put("operation", Value::Text(operation_name));
   if (Value* name = own.Find("name"); name && name->kind == Value::Kind::kScalar) {
@@ -190,7 +197,9 @@ Value OperationRoot(const Value& root, size_t number) {
     own.Put("operation_of", Value::Text(job));
   }
   const std::string tool = ToolOfOperation(root, number);
-  if (number > 0 && !tool.empty() && tool == ToolOfOperation(root, number - 1))
+  // The first of a setup may be begun on another day.
+  if (number > 0 && !tool.empty() && tool == ToolOfOperation(root, number - 1) &&
+      SetupOf(root, number) == SetupOf(root, number - 1))
     own.Put("tool_held", Value::Plain("true"));
   return own;
 }

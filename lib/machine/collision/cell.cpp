@@ -36,6 +36,10 @@ Pose ToolOnFlange(const Cell& cell) {
   return cell.deviations ? DeviationOf(*cell.deviations, 6) * cell.X_FT : cell.X_FT;
 }
 
+Joints MostTurnOf(const Cell& cell, const Joints& turn) {
+  return cell.deviations ? cell.deviations->law.MostTurn(turn) : turn;
+}
+
 std::array<Pose, 7> FramesOf(const Cell& cell, const Joints& q) {
   return cell.deviations ? TrueLinkFrames(cell.arm, *cell.deviations, q) : LinkFrames(cell.arm, q);
 }

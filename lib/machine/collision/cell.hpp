@@ -86,7 +86,7 @@ struct Cell {
       0;  ///< cutting length from the tip, mm: the part of the cutter that may touch while cutting
   Clearances clearances;
   Joints home = Joints::Zero();
-  /// Where the arm is taken as it is (AsItIs), by how much its frames stand elsewhere.
+  /// Where the arm is taken as it is (AsItIs), how it differs from `arm`.
   std::optional<ArmDeviations> deviations;
 };
 
@@ -94,8 +94,11 @@ struct Cell {
 /// those that the controller computes with. Precondition: `cell` has no deviations yet.
 Cell AsItIs(Cell cell, const ArmDeviations& deviations);
 
-/// The frames that bodies hang on, in B: LinkFrames(), or TrueLinkFrames() where the arm is taken as it is.
+/// The frames that bodies hang on, in B: LinkFrames(), or TrueLinkFrames() where the arm is taken as it is;
+/// its controller has the joints at `q`.
 std::array<Pose, 7> FramesOf(const Cell& cell, const Joints& q);
+/// By how much its joints turn at most while the controller turns them by at most `turn`, rad, ≥ 0.
+Joints MostTurnOf(const Cell& cell, const Joints& turn);
 /// The tool in the last of them.
 Pose ToolOnFlange(const Cell& cell);
 

@@ -239,8 +239,8 @@ std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, doubl
   return best ? std::optional(impl_->Report(*best, smallest)) : std::nullopt;
 }
 
-/// Looks at the middle of a motion during which no joint turns by more than `half_turn` from it. Pairs that
-/// this does not settle for the whole motion go to `undecided`.
+/// Looks at the middle of a motion during which the controller turns no joint by more than `half_turn` from
+/// it. Pairs that this does not settle for the whole motion go to `undecided`.
 std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, const Joints& half_turn,
                                                        int phase, double resolution,
                                                        const std::vector<int>& pairs,
@@ -248,6 +248,7 @@ std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, con
   ++counts.looks;
   Place(middle);
   const JointAxes axes = AxesOf(X_WL);
+  const Joints most = MostTurnOf(world->cell, half_turn);
   std::vector<std::optional<std::array<double, 7>>> moved(placed.size());
   for (int index : pairs) {
     const BodyPair& pair = world->pairs[index];
@@ -255,7 +256,7 @@ std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, con
     auto& bounds = moved[pair.second];
     if (!bounds) {
       const Placed& at = placed[pair.second];
-      bounds = MotionBounds(axes, body.link, at.centre, at.half_axes, half_turn);
+      bounds = MotionBounds(axes, body.link, at.centre, at.half_axes, most);
     }
     const double clearance = Wanted(pair, phase);
     const double motion = (*bounds)[world->bodies[pair.first].link];

@@ -121,6 +121,7 @@ bool World::FarFrom(const std::vector<std::string>& still, const Queries& looks)
       middle[joint] = 0.5 * (static_cast<double>(box.low[i]) + box.high[i]);
       turn[joint] = 0.5 * (static_cast<double>(box.high[i]) - box.low[i]);
     }
+    turn = MostTurnOf(impl_->cell, turn);
     std::array<Pose, 7> X_WL = FramesOf(impl_->cell, middle);
     for (Pose& X : X_WL) X = impl_->cell.X_WB * X;
     const JointAxes axes = AxesOf(X_WL);

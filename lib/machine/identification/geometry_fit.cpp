@@ -365,11 +365,14 @@ DeviationEstimate GeometryFit::Estimate(size_t frame, size_t component) const {
   const double prior = component < 3 ? options_.shift_prior : options_.turn_prior;
   const auto found = std::ranges::find(
       kLookedFor, kOfFrame * static_cast<Eigen::Index>(frame - 1) + static_cast<Eigen::Index>(component));
-  if (found == kLookedFor.end()) return {0, prior, prior};
-  const Eigen::Index at = covariance_.cols() - kCount + (found - kLookedFor.begin());
+  if (found == kLookedFor.end()) return {0, prior, prior, prior};
+  const Eigen::Index first = covariance_.cols() - kCount, at = first + (found - kLookedFor.begin());
+  const MatrixXd information = MatrixXd(covariance_.bottomRightCorner(kCount, kCount))
+                                   .ldlt()
+                                   .solve(MatrixXd(MatrixXd::Identity(kCount, kCount)));
   const auto axis = static_cast<Eigen::Index>(component % 3);
   return {component < 3 ? deviations_.shift[frame][axis] : deviations_.turn[frame][axis],
-          std::sqrt(covariance_(at, at)), prior};
+          std::sqrt(covariance_(at, at)), prior, 1 / std::sqrt(information(at - first, at - first))};
 }
 
 GeometryFit::Foretold GeometryFit::Predict(const Joints& q, size_t reflector) const {
@@ -424,6 +427,28 @@ std::vector<GeometryFit::Foretold> GeometryFit::PredictSet(const std::vector<Tra
     foretold[i].covariance = own * covariance_ * own.transpose();
   }
   return foretold;
+}
+
+namespace {
+
+ArmDeviations DeviationsFrom(const VectorXd& looked_for) {
+  ArmDeviations deviations;
+  for (Eigen::Index k = 0; k < kCount; ++k) {
+    const Eigen::Index number = kLookedFor[static_cast<size_t>(k)], component = number % kOfFrame;
+    const auto frame = static_cast<size_t>(number / kOfFrame) + 1;
+    (component < 3 ? deviations.shift[frame][component] : deviations.turn[frame][component - 3]) =
+        looked_for[k];
+  }
+  return deviations;
+}
+
+}  // namespace
+
+std::vector<ArmDeviations> GeometryFit::Patterns() const {
+  const MatrixXd root = MatrixXd(covariance_.bottomRightCorner(kCount, kCount)).llt().matrixL();
+  std::vector<ArmDeviations> patterns;
+  for (Eigen::Index k = 0; k < kCount; ++k) patterns.push_back(DeviationsFrom(root.col(k)));
+  return patterns;
 }
 
 double GeometryFit::Gain(const Joints& q) const {

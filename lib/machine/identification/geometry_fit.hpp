@@ -31,6 +31,9 @@ struct DeviationEstimate {
   double value = 0;      ///< mm or rad
   double deviation = 0;  ///< standard deviation, by readings and prior together
   double prior = 0;      ///< by the prior alone
+  /// Standard deviation if all the others were known: what they sum up to is as sure as that, so the value
+  /// has digits down there.
+  double alone = 0;
   /// The readings say more of it than the prior. Of two that no reading tells apart only the sum is told, and
   /// neither of them.
   bool told() const { return deviation < 0.5 * prior; }
@@ -74,6 +77,12 @@ class GeometryFit {
   /// All readings of a set in their order, with the base fitted to them (FitBase): what it takes up is not in
   /// the covariances.
   std::vector<Foretold> PredictSet(const std::vector<TrackedPose>& poses) const;
+
+  /// In which ways the frames may still be off together: independent ones, each as far as its standard
+  /// deviation, whose squares sum up to the covariance. Shifts and turns beside deviations(). None is left
+  /// out for being small: on a face that the arm reaches in one posture, what is large elsewhere is taken up
+  /// by the part's frame.
+  std::vector<ArmDeviations> Patterns() const;
 
   /// By how much the readings of a pose, with the tracker where the first set has it, would lessen what is
   /// not known: the determinant of the covariance before ÷ after (D-optimal).

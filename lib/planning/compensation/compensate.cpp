@@ -203,7 +203,7 @@ class Compensator {
                        ? TrueInverseNear(plan_.arm, *options_.deviations, X_BF, branch, planned.q)
                        : InverseNear(plan_.arm, X_BF, branch, planned.q);
     const bool shifted = !c.shift.isZero(0.0);
-    if (!q || !IsAllowed(*q)) {
+    if (!q || !IsAllowed(*q) || !IsAllowed(OwnAngles(*q))) {
       if (shifted)
         ++counts_.unreached;
       else
@@ -217,8 +217,17 @@ class Compensator {
     const Pose commanded = carrier_.ToolPose(c.q);
     c.arm_shift = commanded.translation() - X_WT.translation();
     c.arm_turn = RotationVector(commanded.linear() * X_WT.linear().transpose());
-    counts_.largest_arm_shift = std::max(counts_.largest_arm_shift, c.arm_shift.norm());
+    Vector3d by_frames = c.arm_shift;
+    if (!options_.deviations->law.IsNone()) {
+      c.gear_shift = commanded.translation() - carrier_.ToolPose(OwnAngles(c.q)).translation();
+      by_frames -= c.gear_shift;
+      counts_.largest_gear_shift = std::max(counts_.largest_gear_shift, c.gear_shift.norm());
+    }
+    counts_.largest_arm_shift = std::max(counts_.largest_arm_shift, by_frames.norm());
   }
+
+  /// Those of the arm where its controller has its joints at `q`.
+  Joints OwnAngles(const Joints& q) const { return options_.deviations ? options_.deviations->law.At(q) : q; }
 
   void StayNominal(PlannedPoint& planned) {
     Compensation& c = *planned.compensation;
@@ -228,6 +237,8 @@ class Compensator {
     c.weight.setZero();
     c.arm_shift.setZero();
     c.arm_turn.setZero();
+    c.gear_shift.setZero();
+    c.arm_left.reset();
     c.normal.taken = c.across.taken = c.map = 0;
     if (options_.deviations && shifted) Reach(planned);
   }

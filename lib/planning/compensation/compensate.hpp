@@ -44,7 +44,8 @@ struct CompensationOptions {
   std::function<Eigen::Vector3d(const Joints& q)> weight;
   /// What the map of a measured part takes out along the normal, after everything else; empty: no map.
   PointAmounts map;
-  /// By how much the arm's frames stand elsewhere than its controller has them; empty: left alone.
+  /// How the arm differs from what its controller has: its frames, and what its joints do; empty: left
+  /// alone.
   std::optional<ArmDeviations> deviations;
 };
 
@@ -65,7 +66,8 @@ struct CompensationCounts {
   size_t unreached = 0;    ///< points that keep their nominal pose since the arm does not reach the other
   /// Points (index of the pass, of the point) that the arm as it is does not reach within its limits.
   std::vector<std::pair<size_t, size_t>> out_of_reach;
-  double largest_arm_shift = 0;  ///< mm, that its deviations ask for
+  double largest_arm_shift = 0;   ///< mm, that the deviations of its frames ask for
+  double largest_gear_shift = 0;  ///< mm, that the law of its joints asks for
 };
 
 /// Sets `compensation` of all planned points (empty where nothing is asked for). A cut point with a force

@@ -23,6 +23,11 @@ struct OffPlace {
 OffPlace OffByArm(const PlanResult& plan, const PassResult& pass, size_t number,
                   const ArmDeviations& deviations);
 
+/// A program commands what the law of the arm's joints asks for at the points of the path, and goes straight
+/// between them: by how much waves of the law take the tip off along the normal there, mm, the largest over
+/// the cut points of passes from `finished_from` on.
+double LeftBetweenPoints(const PlanResult& plan, const JointLaw& law, int finished_from);
+
 /// A shift and a turn about `centre`.
 struct MeasuredFrame {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< mm
@@ -35,6 +40,11 @@ struct MeasuredFrame {
 /// The frame that the part gets when it is measured with this arm all over the face: what leaves the least
 /// squares along the normals. A flat face says nothing of shifts along it: these are 0.
 MeasuredFrame FrameByArm(const std::vector<OffPlace>& places);
+
+/// Sets `arm_left` of the commanded cut points of passes from `finished_from` on: `patterns` are the ways in
+/// which the arm may differ from `deviations` yet, each by its standard deviation, independent.
+void TellWhatIsLeft(const ArmDeviations& deviations, const std::vector<ArmDeviations>& patterns,
+                    int finished_from, PlanResult& plan);
 
 /// All cut points of passes from `finished_from` on.
 std::vector<OffPlace> OffPlaces(const PlanResult& plan, const ArmDeviations& deviations, int finished_from);

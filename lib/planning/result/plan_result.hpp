@@ -47,6 +47,11 @@ struct Compensation {
   /// By how much the commanded tool lies elsewhere, and is turned (rotation vector, rad), for the deviations
   /// of the arm: so commanded, the arm as it is goes where `shift` has it.
   Eigen::Vector3d arm_shift = Eigen::Vector3d::Zero(), arm_turn = Eigen::Vector3d::Zero();
+  /// Of arm_shift, what is for the law of its joints (gear tables, couplings).
+  Eigen::Vector3d gear_shift = Eigen::Vector3d::Zero();
+  /// Half of the 95 % interval along the normal of what the measured geometry leaves there, mm, once the
+  /// part's frame was measured with the arm; empty where nobody says it, or the point leaves no face.
+  std::optional<double> arm_left;
 };
 
 /// A milling point as planned (vectors in W), or why it was skipped.

@@ -237,6 +237,8 @@ void Fields(Archive& a, Compensation& c) {
   a("bounded", c.bounded);
   a("arm_shift", c.arm_shift);
   a("arm_turn", c.arm_turn);
+  a("gear_shift", c.gear_shift);
+  a("arm_left", c.arm_left);
 }
 
 template <class Archive>
@@ -412,7 +414,7 @@ void Fields(Archive& a, PlanResult& r) {
 }
 
 // The leading field tells a file of ours from others and one version from the next.
-constexpr const char* kFormat = "millpose 7";
+constexpr const char* kFormat = "millpose 8";
 
 /// The fields of a value behind the leading one.
 template <class T>

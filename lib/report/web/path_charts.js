@@ -40,7 +40,7 @@
         chart("Predicted deflection under the mean cutting force", ["deflection", "deflection_normal", "deflection_feed", "deflection_across"], 160),
         chart("Error along the normal, before and after compensation", ["before", "after", "worst_before", "worst_after"], 160),
         chart("Shift of the commanded tip", ["shift"], 110),
-        chart("Commanded tip from the planned one, for the arm", ["arm_shift"], 110),
+        chart("Commanded tip from the planned one, for the arm", ["arm_shift", "gear_shift"], 110),
         chart("Marks of joints that turn back", ["reversal"], 130),
         chart("Displacement along the normal by lost motion", ["lost_motion"], 130),
         chart("What is cut", ["cut_width", "cut_depth"], 130),

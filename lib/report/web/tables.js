@@ -75,7 +75,7 @@
       const external = m.externalKeys(data).map((key) => line(data.column[key].symbol, value(key), "", ""));
       const table = (caption, head, ...lines) => m.element("table", {}, m.element("caption", {}, caption), ...head, ...lines);
       this.figures.replaceChildren(
-        table("Stiffness", [], ...["objective", "lambda_t1", "lambda_t2", "lambda_n", "normal_compliance", "mu", "dexterity", "price", "deflection", "deflection_normal", "before", "after", "worst_before", "worst_after", "shift", "arm_shift"].filter((key) => data.column[key]).map(simple)),
+        table("Stiffness", [], ...["objective", "lambda_t1", "lambda_t2", "lambda_n", "normal_compliance", "mu", "dexterity", "price", "deflection", "deflection_normal", "before", "after", "worst_before", "worst_after", "shift", "arm_shift", "gear_shift"].filter((key) => data.column[key]).map(simple)),
         table("Place and pose", [], line("x, W", `${p[0].toFixed(2)} mm`), line("y, W", `${p[1].toFixed(2)} mm`), line("z, W", `${p[2].toFixed(2)} mm`),
           simple("rotation"), line(m.element("span", m.tipOf("branch"), "branch"), reason ? "–" : "S" + rows.branch[row]), simple("clearance"), ...this.nearest(row), simple("limit_reserve"), simple("speed_share")),
         table("Joints", [m.element("tr", {}, m.element("th"), ...["angle", "limits", "speed"].map((t) => m.element("th", { class: "number" }, t)))], ...joints, ...external));

@@ -174,6 +174,19 @@ TEST(ReplaceDeviations, WhatItWritesIsReadBackAndWhatNobodyReadsIsNotWritten) {
   EXPECT_EQ(read.arm.serial, "88: 2");
   EXPECT_EQ(read.arm.deviations->source, found.source);
   EXPECT_TRUE(read.arm.deviations->turns[3].isApprox(found.turns[3], 1e-15));
+  // What the joints of the same arm do is not forgotten; another arm's are not taken over.
+  const std::string with_gears = yaml::WithKey(after, "cell.yaml", "arm", "deviations",
+                                               "{couplings: [{joint: 3, follows: 2, factor: 0.00045}], "
+                                               "gears: [{joint: 1, harmonic: 1, amplitude_arcsec: 9, "
+                                               "phase_deg: 30}], source: encoders, date: 2026-11-27}");
+  const auto read_again = [&](const std::string& serial) {
+    return *ParseCell(ReplaceDeviations(with_gears, "cell.yaml", found, serial), "cell.yaml").arm.deviations;
+  };
+  EXPECT_EQ(read_again("88: 2").gears.size(), 1u);
+  EXPECT_EQ(read_again("88: 2").couplings.size(), 1u);
+  EXPECT_TRUE(read_again("88: 2").turns[3].isApprox(found.turns[3], 1e-15));
+  EXPECT_TRUE(read_again("88: 3").gears.empty());
+  EXPECT_TRUE(read_again("88: 3").couplings.empty());
   found.date = "yesterday";
   EXPECT_NE(
       RefusalOf([&] { ReplaceDeviations(CellText(), "cell.yaml", found, "1"); }).find("given yesterday"),

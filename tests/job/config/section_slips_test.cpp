@@ -212,8 +212,58 @@ TEST(SectionSlips, OfDeviations) {
              "arm.deviations: given together with absolute_accuracy: true");
   ExpectCell(cell(serial + given(turns + "source: tracker, ^date: 26.11.2026")),
              "arm.deviations.date: given 26.11.2026; allowed: a date such as 2026-11-26");
+  const std::string rows = zeros + "[0, 0, 2]]";
+  EXPECT_EQ(ParseCell(cell(serial + given("patterns: [{shifts_mm: " + rows + ", turns_mrad: " + rows +
+                                          "}], " + whole + "2026-11-26")),
+                      "f.yaml")
+                .arm.deviations->patterns[0]
+                .shifts[6]
+                .z(),
+            2);
+  ExpectCell(cell(serial + given("patterns: [{shifts_mm: " + rows + ", ^turns_mrad: [[0, 0, 0]]}], " + whole +
+                                 "2026-11-26")),
+             "arm.deviations.patterns[0].turns_mrad: given 1 rows; allowed: seven");
+  ExpectCell(cell(serial + "  deviations: ^{" + whole + "2026-11-26}\n"),
+             "arm.deviations.shifts_mm: missing; required without gears or couplings");
   ExpectCell(cell(serial + given("^turns_mrad: [[0, 0, 0]], source: tracker, date: 2026-11-26")),
              "arm.deviations.turns_mrad: given 1 rows; allowed: seven");
+}
+
+TEST(SectionSlips, OfGearTables) {
+  const auto cell = [](const std::string& gears, const std::string& more = "") {
+    return Filled(CellWith(kRail, ""),
+                  {{"home_deg:", "  serial: A17\n  deviations: {" + gears +
+                                     "source: encoders, date: 2026-11-26}\n" + more + "home_deg:"}});
+  };
+  const auto wave = [](const std::string& joint, const std::string& harmonic, const std::string& amplitude) {
+    return "{joint: " + joint + ", harmonic: " + harmonic + ", amplitude_arcsec: " + amplitude +
+           ", phase_deg: 90}";
+  };
+  const CellSettings read = ParseCell(
+      cell("gears: [" + wave("2", "171", "12") + "], couplings: [{joint: 3, follows: 2, factor: 0.00045}], "),
+      "f.yaml");
+  EXPECT_NEAR(read.arm.deviations->gears[0].amplitude, DegToRad(1.0 / 300), 1e-18);
+  EXPECT_EQ(read.arm.deviations->couplings[0].factor, 0.00045);
+  EXPECT_EQ(read.arm.deviations->shifts.size(), 7u);
+  EXPECT_EQ(WriteCell(ParseCell(WriteCell(read), "f.yaml")), WriteCell(read));
+  ExpectCell(cell("gears: [" + wave("^7", "1", "12") + "], "), "arm.deviations.gears[0].joint: given 7");
+  ExpectCell(cell("gears: [" + wave("1", "^0", "12") + "], "), "arm.deviations.gears[0].harmonic: given 0");
+  ExpectCell(cell("gears: [" + wave("1", "1", "^0") + "], "),
+             "arm.deviations.gears[0].amplitude_arcsec: given 0");
+  ExpectCell(cell("gears: [" + wave("1", "1", "9") + ", ^" + wave("1", "1", "8") + "], "),
+             "arm.deviations.gears[1]: given harmonic 1 of joint 1 twice");
+  ExpectCell(cell("gears: ^[" + wave("1", "500", "60") + "], "),
+             "arm.deviations.gears: a joint that turns by up to 0.145 of");
+  ExpectCell(cell("couplings: [{joint: 3, follows: ^3, factor: 0.01}], "),
+             "arm.deviations.couplings[0].follows: given 3, the joint itself");
+  ExpectCell(cell("couplings: [{joint: 3, follows: 2, factor: ^0}], "),
+             "arm.deviations.couplings[0].factor: given 0");
+  ExpectCell(
+      cell("couplings: [{joint: 3, follows: 2, factor: 0.01}, ^{joint: 3, follows: 2, factor: 0.02}], "),
+      "arm.deviations.couplings[1]: given joint 3 with joint 2 twice");
+  ExpectCell(
+      cell("gears: [" + wave("1", "1", "9") + "], ", "  ^gear_couplings: [{gear: 3, axis: 2, factor: 1}]\n"),
+      "arm.gear_couplings: given together with deviations.gears");
 }
 
 TEST(SectionSlips, OfGears) {

@@ -85,6 +85,54 @@ TEST(AsItIs, MotionsFoundFreeAreFreeAllAlong) {
   EXPECT_GT(blocked, 5);
 }
 
+/// Steeper than any gear: joints go by a tenth of their turn more, or less.
+JointLaw Steep(RandomStream& stream) {
+  JointLaw law;
+  for (int joint = 1; joint <= 6; ++joint)
+    law.harmonics.push_back({joint, 20, 0.0045, stream.Uniform(-3.1, 3.1)});
+  return law;
+}
+
+TEST(AsItIs, BodiesHangWhereTheLawOfTheJointsHasThem) {
+  RandomStream stream(34, 0);
+  const Cell cell = WithPart();
+  ArmDeviations turned;
+  turned.law = Steep(stream);
+  const World own(AsItIs(cell, turned)), nominal(cell);
+  double most = 0;
+  for (int round = 0; round < 40; ++round) {
+    const Joints q = DrawnNear(stream, 0.15);
+    const double distance = Checker(own).Clearance(q, Phase::kFree, 500);
+    EXPECT_NEAR(distance, Checker(nominal).Clearance(turned.law.At(q), Phase::kFree, 500), 1e-6);
+    most = std::max(most, std::abs(distance - Checker(nominal).Clearance(q, Phase::kFree, 500)));
+  }
+  EXPECT_GT(most, 1);
+}
+
+// Joints that go farther than their controller has them: what is free along a motion is free all along.
+TEST(AsItIs, MotionsFoundFreeAreFreeAllAlongWhereJointsRunAhead) {
+  RandomStream stream(35, 0);
+  const Cell cell = WithPart();
+  constexpr double kResolution = 0.5;  // mm
+  int free = 0, blocked = 0;
+  for (int round = 0; round < 60; ++round) {
+    ArmDeviations turned;
+    turned.law = Steep(stream);
+    const World own(AsItIs(cell, turned));
+    Checker checker(own), dense(own, 1, kResolution + 1e-6);
+    const Joints from = DrawnNear(stream, 0.1), to = DrawnNear(stream, 0.1);
+    if (checker.Between(from, to, Phase::kFree, kResolution)) {
+      ++blocked;
+      continue;
+    }
+    ++free;
+    for (int i = 0; i <= 100; ++i)
+      EXPECT_FALSE(dense.At(from + 0.01 * i * (to - from), Phase::kFree)) << round << ' ' << i;
+  }
+  EXPECT_GT(free, 5);
+  EXPECT_GT(blocked, 5);
+}
+
 TEST(AsItIs, WithoutDeviationsNothingChanges) {
   RandomStream stream(33, 0);
   const Cell cell = WithPart();

@@ -219,6 +219,51 @@ TEST(GeometryFit, TakesTheGeometryOutOfAFace) {
   EXPECT_LT(median(after_few), 0.5 * median(before));
 }
 
+// Patterns alone say as much of new places as the whole covariance, and hold what arms really differ by.
+TEST(GeometryFit, ItsPatternsTellWhatIsLeftAtNewPlaces) {
+  RandomStream stream(18, 0);
+  int inside = 0, all = 0;
+  for (int round = 0; round < 30; ++round) {
+    Drawn drawn(stream, 0.25, 3e-4);  // as the prior has it
+    // Along and about joint 6's axis: of the tool, which no reflector tells.
+    drawn.deviations.shift[5].x() = drawn.deviations.turn[5].x() = 0;
+    const std::vector<TrackedPose> poses = drawn.Measured(40, 0.03, stream);
+    const GeometryFit fit(drawn.arm, poses, {.shift_prior = 0.25, .turn_prior = 3e-4});
+    const std::vector<ArmDeviations> patterns = fit.Patterns();
+    const Vector3d tip(-150, 0, 250);
+    std::vector<Joints> places;
+    for (int i = 0; i < 40; ++i) places.push_back(drawn.AnyPose(stream));
+    // Displacements of the tip by `other` against the fit, less the rigid motion that takes up most of it.
+    const auto displaced = [&](const ArmDeviations& other) {
+      Eigen::MatrixXd base(3 * 40, 6);
+      Eigen::VectorXd off(3 * 40);
+      for (Eigen::Index i = 0; i < 40; ++i) {
+        const Joints& q = places[static_cast<size_t>(i)];
+        const Vector3d there = TrueFlange(drawn.arm, fit.deviations(), q) * tip, r = there / 1000;
+        off.segment<3>(3 * i) = TrueFlange(drawn.arm, other, q) * tip - there;
+        Eigen::Matrix3d turn;
+        turn << 0, r.z(), -r.y(), -r.z(), 0, r.x(), r.y(), -r.x(), 0;
+        base.middleRows<3>(3 * i) << Eigen::Matrix3d::Identity(), turn;
+      }
+      return Eigen::VectorXd(off - base * base.colPivHouseholderQr().solve(off));
+    };
+    Eigen::VectorXd variance = Eigen::VectorXd::Zero(3 * 40);
+    for (const ArmDeviations& pattern : patterns) {
+      ArmDeviations other = fit.deviations();
+      for (size_t k = 0; k < 7; ++k) {
+        other.shift[k] += pattern.shift[k];
+        other.turn[k] += pattern.turn[k];
+      }
+      variance += displaced(other).cwiseAbs2();
+    }
+    const Eigen::VectorXd off = displaced(drawn.deviations);
+    for (Eigen::Index i = 0; i < off.size(); ++i, ++all)
+      inside += off[i] * off[i] <= 1.96 * 1.96 * variance[i];
+  }
+  EXPECT_GE(inside, 0.92 * all);
+  EXPECT_LE(inside, 0.975 * all);
+}
+
 TEST(GeometryFit, SaysWhatIsMissing) {
   RandomStream stream(17, 0);
   const Drawn drawn(stream, 0.5, 1e-3);

@@ -276,6 +276,68 @@ TEST(Compensate, WhatTheArmAsItIsDoesNotReachIsNamed) {
     EXPECT_EQ(plan.passes[p].points[i].compensation->q, plan.passes[p].points[i].q);
 }
 
+JointLaw SomeGears() {
+  JointLaw law;
+  law.harmonics = {{1, 1, 1e-4, 0.3}, {2, 170, 5e-5, 1}, {3, 2, 8e-5, -2}, {5, 100, 6e-5, 0}};
+  law.couplings = {{3, 2, 4.5e-4}};
+  return law;
+}
+
+TEST(Compensate, JointsThatErrAreCommandedByTheInverseOfTheirLaw) {
+  PlanResult plan = Forced();
+  CompensationOptions options;
+  options.deviations = ArmDeviations();
+  options.deviations->law = SomeGears();
+  const CompensationCounts counts = Compensate(options, ForcesOf(plan), plan);
+  EXPECT_GT(counts.largest_gear_shift, 0.1);
+  EXPECT_LT(counts.largest_arm_shift, 1e-6);
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points) {
+      EXPECT_LT((options.deviations->law.At(point.compensation->q) - point.q).cwiseAbs().maxCoeff(), 1e-10);
+      EXPECT_GT((point.compensation->q - point.q).cwiseAbs().maxCoeff(), 1e-5);
+      EXPECT_LT((point.compensation->gear_shift - point.compensation->arm_shift).norm(), 1e-6);
+    }
+  const std::string bytes = Serialise(plan);
+  EXPECT_EQ(Serialise(ParsePlanResult(bytes, "plan.cbor")), bytes);
+}
+
+TEST(Compensate, FramesAndJointsOfTheArmAreToldApart) {
+  PlanResult frames = Forced(), both = Forced();
+  CompensationOptions options;
+  options.deviations = SomeDeviations();
+  Compensate(options, ForcesOf(frames), frames);
+  options.deviations->law = SomeGears();
+  Compensate(options, ForcesOf(both), both);
+  for (size_t p = 0; p < both.passes.size(); ++p)
+    for (size_t i = 0; i < both.passes[p].points.size(); ++i) {
+      const PlannedPoint &all = both.passes[p].points[i], &without = frames.passes[p].points[i];
+      EXPECT_LT(OffOwn(both, *options.deviations, all).first, 1e-7);
+      EXPECT_TRUE(without.compensation->gear_shift.isZero(0.0));
+      const Vector3d by_frames = all.compensation->arm_shift - all.compensation->gear_shift;
+      EXPECT_LT((by_frames - without.compensation->arm_shift).norm(), 1e-6);
+    }
+}
+
+// Joint 1 stands by some 1e-3 ahead of its controller (behind it where negative), and may go by `room` beyond
+// where the plan has it.
+bool StaysWithin(double ahead, double room) {
+  PlanResult plan = Forced();
+  double most = -10;
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points) most = std::max(most, point.q[0]);
+  plan.arm.upper[0] = most + room;
+  CompensationOptions options;
+  options.deviations = ArmDeviations();
+  options.deviations->law.harmonics = {{1, 0.1, std::abs(ahead), ahead > 0 ? 1.570796 : -1.570796}};
+  return Compensate(options, ForcesOf(plan), plan).out_of_reach.empty();
+}
+
+TEST(Compensate, LimitsHoldForTheArmsJointsAndForItsControllers) {
+  EXPECT_TRUE(StaysWithin(1e-3, 5e-4));
+  EXPECT_FALSE(StaysWithin(-1e-3, 5e-4)) << "the controller has to be told more than its limit";
+  EXPECT_FALSE(StaysWithin(1e-3, -5e-4)) << "the arm goes farther than its controller has it";
+}
+
 TEST(Compensate, SwappedTwiceIsTheSame) {
   PlanResult plan = Forced();
   CompensationOptions options;

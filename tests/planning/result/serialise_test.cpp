@@ -122,7 +122,7 @@ TEST(Serialise, DamagedBytesAreRefused) {
     EXPECT_THROW(ParsePassResult(std::string_view(bytes).substr(0, cut), "x"), InputError) << cut;
   EXPECT_THROW(ParsePlanResult(bytes, "x"), InputError);
   std::string older = bytes;
-  older[older.find("millpose 7") + 9] = '0';
+  older[older.find("millpose 8") + 9] = '0';
   EXPECT_THROW(ParsePassResult(older, "x"), InputError);
 }
 

@@ -115,6 +115,20 @@ TEST(WriteResults, DeviationsOfTheArmAreABudgetsLineOnceThePartsFrameHasTakenUpW
   EXPECT_LT(joint.largest.value(), 1);
 }
 
+TEST(WriteResults, GearTablesAreTheGearsLineAndNoneOfTheGeometrys) {
+  Handed handed;
+  DeviationSettings& deviations = handed.inputs.cell.arm.deviations.emplace();
+  deviations.shifts.assign(7, Eigen::Vector3d::Zero());
+  deviations.turns.assign(7, Eigen::Vector3d::Zero());
+  deviations.gears = {{2, 150, 5e-5, 0}};
+  const Budget budget = Write(handed).report.budget.value();
+  EXPECT_NEAR(*std::ranges::find(budget.rows, "geometry", &BudgetRow::key)->largest, 0, 1e-9);
+  const auto gears = std::ranges::find(budget.rows, "gear_error", &BudgetRow::key);
+  EXPECT_GT(gears->largest.value(), 1e-3);
+  EXPECT_LT(gears->largest.value(), 0.3);
+  EXPECT_NE(gears->basis.find("by the tables of arm"), std::string::npos) << gears->basis;
+}
+
 TEST(WriteResults, WhatIsNotConfirmedIsWithheldWithItsCausesAndAFewOfTheirPlaces) {
   Handed handed;
   handed.findings = {"NOT MACHINED: a hole"};

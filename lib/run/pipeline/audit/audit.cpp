@@ -207,6 +207,13 @@ void AuditMotions(const PlanResult& plan, const Cell& cell, const AuditRules& ru
   audit::Setup setup = MakeJudgeSetup(cell);
   for (size_t i = 0; rules.deviations && i < setup.deviations.size(); ++i)
     setup.deviations[i] = DeviationOf(*rules.deviations, i).matrix().cast<audit::Real>();
+  if (rules.deviations) {
+    for (const JointHarmonic& wave : rules.deviations->law.harmonics)
+      setup.waves.push_back({static_cast<size_t>(wave.joint) - 1, wave.harmonic, wave.amplitude, wave.phase});
+    for (const JointCoupling& pair : rules.deviations->law.couplings)
+      setup.followers.push_back(
+          {static_cast<size_t>(pair.joint) - 1, static_cast<size_t>(pair.follows) - 1, pair.factor});
+  }
   std::vector<Step> steps;
   if (!rules.deviations) steps = StepsOf(plan);
   const PlanResult commanded = Commanded(plan);  // whose moves its steps point at

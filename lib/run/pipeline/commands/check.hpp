@@ -18,6 +18,7 @@
 #include "job/inputs.hpp"
 #include "machine/robot/mechanism.hpp"
 #include "report/words/words.hpp"
+#include "run/pipeline/commands/advise.hpp"
 #include "toolpath/cam/cam_source.hpp"
 
 namespace millpose {
@@ -84,6 +85,7 @@ struct JobCheck {
   size_t gouges = 0;         ///< points where the cutter would go into the part beyond the job's tolerance
   double deepest_gouge = 0;  ///< mm
   Eigen::Vector3d gouge_place = Eigen::Vector3d::Zero();  ///< in P
+  std::optional<OperationAdvice> advice{};                ///< where it was asked for
 };
 
 /// A cell by itself.

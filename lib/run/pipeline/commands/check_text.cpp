@@ -3,6 +3,7 @@
 
 #include "base/shown.hpp"
 #include "base/units.hpp"
+#include "run/pipeline/commands/advise_text.hpp"
 #include "run/pipeline/commands/check.hpp"
 
 namespace millpose {
@@ -216,6 +217,7 @@ Json JobJson(const JobCheck& check) {
             {"deepest_gouge_mm", check.deepest_gouge},
             {"gouge_place_mm", check.gouges > 0 ? ToList(check.gouge_place) : Json()}};
   if (!check.operation.empty()) json["operation"] = check.operation;
+  if (check.advice) json["advice"] = Json::parse(ToJson(*check.advice));
   return json;
 }
 
@@ -286,7 +288,8 @@ std::string ToText(const JobCheck& check) {
     text +=
         fmt::format(", deepest {:.3f} mm at ({:.3f}, {:.3f}, {:.3f}) mm in the workpiece frame",
                     check.deepest_gouge, check.gouge_place.x(), check.gouge_place.y(), check.gouge_place.z());
-  return text + "\n";
+  text += "\n";
+  return check.advice ? text + ToText(*check.advice) : text;
 }
 
 std::string ToText(const CellCheck& check) {

@@ -2,6 +2,7 @@
 #include "run/pipeline/commands/register_part.hpp"
 
 #include <cmath>
+#include <set>
 
 #include "base/angles.hpp"
 #include "base/csv.hpp"
@@ -9,6 +10,7 @@
 #include "base/trig.hpp"
 #include "base/units.hpp"
 #include "job/assemble.hpp"
+#include "job/config/setup_names.hpp"
 #include "job/locate.hpp"
 #include "job/step_meshes.hpp"
 #include "job/workpiece.hpp"
@@ -375,6 +377,14 @@ double RegisteredPart::CovarianceMrad(int i, int j) const {
 }
 
 RegisteredPart RegisterPart(const RegisterArguments& arguments, const Execution& execution) {
+  const std::vector<std::string> setups =
+      SetupNames(arguments.root.Read(arguments.job), arguments.job.string());
+  if (!setups.empty() && !setups.front().empty())
+    throw InputError(
+        {arguments.job.string()},
+        fmt::format("setups: the part stands in several ways, and the points tell of one; allowed: "
+                    "a job of one of them alone ({}), with its pose as workpiece.pose",
+                    fmt::join(std::set<std::string>(setups.begin(), setups.end()), ", ")));
   std::vector<JobInputs> operations = LoadOperations(arguments.job, {}, arguments.root);
   return WithPlaces(operations.front(), [&] { return Registered(arguments, operations, execution); });
 }

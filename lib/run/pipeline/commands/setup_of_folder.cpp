@@ -6,11 +6,13 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 
 #include "base/angles.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "job/assemble.hpp"
+#include "job/config/setup_names.hpp"
 #include "job/first_run.hpp"
 #include "job/step_meshes.hpp"
 #include "job/workpiece.hpp"
@@ -263,7 +265,7 @@ PicturePath PathOf(const SheetOperation& one, Vector3d& normals, Vector3d& axes)
   return path;
 }
 
-SheetSection SetupOf(const std::vector<SheetOperation>& operations, const Cell& cell, const Mesh& part,
+SheetSection SetupOf(std::span<const SheetOperation> operations, const Cell& cell, const Mesh& part,
                      Language language) {
   const PlanResult& plan = operations.front().plan;
   const Pose X_PW = plan.X_WP.inverse();
@@ -301,6 +303,31 @@ SheetSection SetupOf(const std::vector<SheetOperation>& operations, const Cell& 
   return section;
 }
 
+/// The operations of each setup in a row, those of a job without setups in one.
+std::vector<std::span<const SheetOperation>> BySetup(const std::vector<SheetOperation>& operations,
+                                                     const std::vector<std::string>& setups) {
+  std::vector<std::span<const SheetOperation>> groups;
+  for (size_t i = 0; i < operations.size(); ++i) {
+    if (i == 0 || setups[i] != setups[i - 1]) groups.push_back({&operations[i], 0});
+    groups.back() = {groups.back().data(), groups.back().size() + 1};
+  }
+  return groups;
+}
+
+/// Picture and datum of each setup.
+void AddSetups(const std::vector<SheetOperation>& operations, const std::vector<std::string>& setups,
+               const Mesh& part, Language language, std::vector<SheetSection>& sections) {
+  size_t first = 0;
+  for (const std::span<const SheetOperation> group : BySetup(operations, setups)) {
+    for (SheetSection section :
+         {SetupOf(group, MakeJobCell(group.front().inputs), part, language), Datum(group.front())}) {
+      if (!setups[first].empty()) section.note = fmt::format("Setup {}. {}", setups[first], section.note);
+      sections.push_back(std::move(section));
+    }
+    first += group.size();
+  }
+}
+
 }  // namespace
 
 std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop) {
@@ -318,10 +345,15 @@ std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop)
     const SheetOperation& first = operations.front();
     sheet.title = folder.job + ": setup sheet";
     sheet.subtitle = SubtitleOf(folder);
-    for (SheetSection section :
-         {SummaryOf(operations), Sentences(operations, "findings", "Findings"), Sources(operations),
-          SetupOf(operations, cell, part.import.mesh, arguments.language), Datum(first), ToolsOf(operations),
-          AxisPositions(operations), Holding(cell), ProgramsOf(folder)}) {
+    std::vector<std::string> setups(operations.size());
+    if (several) setups = SetupNames(arguments.root.Read(arguments.plan / "job.yaml"), "job.yaml");
+    std::vector<SheetSection> sections = {SummaryOf(operations),
+                                          Sentences(operations, "findings", "Findings"), Sources(operations)};
+    AddSetups(operations, setups, part.import.mesh, arguments.language, sections);
+    for (const SheetSection& section :
+         {ToolsOf(operations), AxisPositions(operations), Holding(cell), ProgramsOf(folder)})
+      sections.push_back(section);
+    for (SheetSection& section : sections) {
       section.new_page = section.title == "Setup";
       if (!section.table.rows.empty() || !section.list.empty() || !section.picture.empty())
         sheet.sections.push_back(std::move(section));

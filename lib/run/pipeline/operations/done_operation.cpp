@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
-#include "job/config/config.hpp"
+#include "job/config/setup_names.hpp"
 #include "report/summary_version.hpp"
 #include "store/output_folder.hpp"
 
@@ -33,6 +33,18 @@ DoneOperation ReadOperation(const fs::path& out, const std::string& folder, cons
         done.programs[controller][name.substr(place.size())] = root.Read(own / name);
   }
   return done;
+}
+
+std::vector<DoneOperation> ReadOperations(const fs::path& out, const FileRoot& root,
+                                          std::vector<std::string>* changed) {
+  const fs::path job_file = out / "job.yaml";
+  const std::vector<std::string> setups = SetupNames(root.Read(job_file), job_file.string());
+  std::vector<DoneOperation> operations;
+  for (const std::string& folder : OperationFolders(out)) {
+    operations.push_back(ReadOperation(out, folder, root, changed));
+    if (operations.size() <= setups.size()) operations.back().setup = setups[operations.size() - 1];
+  }
+  return operations;
 }
 
 std::vector<std::string> OperationFolders(const fs::path& out) {

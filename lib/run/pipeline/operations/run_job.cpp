@@ -6,6 +6,7 @@
 #include "base/hash.hpp"
 #include "base/named_progress.hpp"
 #include "job/assemble.hpp"
+#include "job/config/setup_names.hpp"
 #include "job/step_meshes.hpp"
 #include "planning/standing/leave_in_stock.hpp"
 #include "run/pipeline/operations/whole_report.hpp"
@@ -67,12 +68,17 @@ PlanOutcome PlanEach(const PlanArguments& arguments, const std::vector<JobInputs
 
 /// The operations as they are staged, in their order.
 std::vector<DoneOperation> Staged(const std::vector<JobInputs>& inputs, const ResultSet& results,
-                                  const FileRoot& root) {
+                                  const PlanArguments& arguments) {
+  const std::vector<std::string> setups =
+      SetupNames(inputs.front().job_text, arguments.job.string(), OverridesOf(arguments));
   std::vector<DoneOperation> operations;
-  for (size_t i = 0; i < inputs.size(); ++i)
-    operations.push_back(ReadOperation(
-        results.staged(),
-        fmt::format("{}/{}", kOperationsFolder, OperationFolder(i, inputs[i].job.operation)), root));
+  for (size_t i = 0; i < inputs.size(); ++i) {
+    operations.push_back(
+        ReadOperation(results.staged(),
+                      fmt::format("{}/{}", kOperationsFolder, OperationFolder(i, inputs[i].job.operation)),
+                      arguments.root));
+    operations.back().setup = setups[i];
+  }
   return operations;
 }
 
@@ -80,7 +86,8 @@ std::vector<WholeProgram> MainPrograms(const JobInputs& job, const std::string& 
                                        const std::vector<DoneOperation>& operations) {
   std::vector<WholeProgram> programs;
   for (const std::string& controller : job.job.programs)
-    programs.push_back(MakeWholeProgram(name, controller, operations));
+    for (const MainProgram& main : MainProgramsOf(name, operations))
+      programs.push_back(MakeWholeProgram(main, controller));
   return programs;
 }
 
@@ -90,14 +97,13 @@ PlanOutcome PlanWhole(const PlanArguments& arguments, const std::string& name,
   ResultSet results(folder, kPlanNames);
   PlanOutcome outcome = PlanEach(arguments, inputs, folder, &results, stages, stop);
   stages.Begin("main programs", 0);
-  const std::vector<DoneOperation> operations = Staged(inputs, results, arguments.root);
+  const std::vector<DoneOperation> operations = Staged(inputs, results, arguments);
   const std::vector<WholeProgram> programs = MainPrograms(inputs.front(), name, operations);
   if (!std::ranges::all_of(programs, IsWritten)) outcome.exit_status = 1;
   results.Add("job.yaml",
               WithOverrides(inputs.front().job_text, arguments.job.string(), OverridesOf(arguments)));
   AddResults(name, operations, programs, arguments.language, results);
-  stages.End(
-      fmt::format("{} of {} controllers", std::ranges::count_if(programs, IsWritten), programs.size()));
+  stages.End(fmt::format("{} of {} written", std::ranges::count_if(programs, IsWritten), programs.size()));
   RunFigures run = EndRun(begun, stages, Execution{arguments.threads, stages, stop}.Threads());
   run.manifest = results.AddManifest(KeyOf(inputs, results.staged()));
   run.exit_status = outcome.exit_status;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/operations/verify_job.hpp"
 
-#include <set>
-
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/hash.hpp"
@@ -26,26 +24,16 @@ class WholeFolder {
     const fs::path job_file = folder_ / "job.yaml";
     job_ = OutlineOf(arguments.root.Read(job_file), job_file.string()).name;
     std::vector<std::string> changed;  // each program is held against its plan
-    for (const std::string& name : OperationFolders(folder_))
-      operations_.push_back(ReadOperation(folder_, name, arguments.root, &changed));
+    operations_ = ReadOperations(folder_, arguments.root, &changed);
+    mains_ = MainProgramsOf(job_, operations_);
   }
 
-  /// The main programs: one of each controller that all operations have a program for.
+  /// The main programs: one of each controller and setup that all operations have a program for.
   std::vector<VerifiedProgram> Mains(const Manifest& manifest) const {
     std::vector<VerifiedProgram> programs;
-    for (const std::string& controller : Controllers()) {
-      const fs::path place = folder_ / kProgramsFolder / controller;
-      ProgramFiles files;
-      VerifiedProgram main{controller, place.string(), 0, {}, {}};
-      if (fs::is_directory(place))
-        for (const std::string& name : SortedFiles(place)) files[name] = arguments_.root.Read(place / name);
-      for (const auto& [name, text] : files) {
-        const auto entry = manifest.files.find(fmt::format("{}/{}/{}", kProgramsFolder, controller, name));
-        if (entry == manifest.files.end() || entry->second.hash != Hash(text)) main.changed.push_back(name);
-      }
-      main.findings = Check(controller, files);
-      programs.push_back(std::move(main));
-    }
+    for (const auto& [controller, own] : operations_.front().programs)
+      for (const MainProgram& main : mains_)
+        if (HasAll(main, controller)) programs.push_back(VerifiedMain(main, controller, manifest));
     return programs;
   }
 
@@ -60,7 +48,8 @@ class WholeFolder {
     for (const std::string& name : calls)
       if (const fs::path file = program.parent_path() / (name + syntax.called_ending); fs::exists(file))
         files.merge(FilesOf(file, *post, arguments_.root));
-    if (!calls.empty()) return {{controller, program.string(), 0, Check(controller, files), {}}};
+    if (!calls.empty())
+      return {{controller, program.string(), 0, Check(MainOfFile(syntax, program), controller, files), {}}};
     for (const DoneOperation& operation : operations_) {
       const auto own = operation.programs.find(controller);
       if (own == operation.programs.end()) continue;
@@ -80,14 +69,42 @@ class WholeFolder {
     return ParseCell(arguments_.root.Read(file), file.string());
   }
 
-  std::set<std::string> Controllers() const {
-    std::set<std::string> controllers;
-    for (const auto& [controller, files] : operations_.front().programs)
-      if (std::ranges::all_of(operations_, [&, &name = controller](const DoneOperation& operation) {
-            return operation.programs.contains(name);
-          }))
-        controllers.insert(controller);
-    return controllers;
+  static bool HasAll(const MainProgram& main, const std::string& controller) {
+    return std::ranges::all_of(main.operations, [&](const DoneOperation& operation) {
+      return operation.programs.contains(controller);
+    });
+  }
+
+  /// The controller's folder without what the main programs of other setups have there.
+  ProgramFiles FilesBeside(const MainProgram& main, const std::string& controller) const {
+    const fs::path place = folder_ / kProgramsFolder / controller;
+    ProgramFiles files;
+    if (fs::is_directory(place))
+      for (const std::string& name : SortedFiles(place)) files[name] = arguments_.root.Read(place / name);
+    for (const MainProgram& other : mains_)
+      if (other.name != main.name && HasAll(other, controller))
+        for (const std::string& name : FilesOfMain(other, controller)) files.erase(name);
+    return files;
+  }
+
+  VerifiedProgram VerifiedMain(const MainProgram& main, const std::string& controller,
+                               const Manifest& manifest) const {
+    const ProgramFiles files = FilesBeside(main, controller);
+    VerifiedProgram verified{controller, (folder_ / kProgramsFolder / controller).string(), 0, {}, {}};
+    for (const auto& [name, text] : files) {
+      const auto entry = manifest.files.find(fmt::format("{}/{}/{}", kProgramsFolder, controller, name));
+      if (entry == manifest.files.end() || entry->second.hash != Hash(text)) verified.changed.push_back(name);
+    }
+    verified.findings = Check(main, controller, files);
+    return verified;
+  }
+
+  /// Which main program a file should be; the first where its name is that of none.
+  const MainProgram& MainOfFile(const CallingSyntax& syntax, const fs::path& file) const {
+    const auto found = std::ranges::find_if(mains_, [&](const MainProgram& main) {
+      return ProgramName(syntax, main.name) + syntax.ending == file.filename().string();
+    });
+    return found == mains_.end() ? mains_.front() : *found;
   }
 
   PlannedFolder PlanOf(const DoneOperation& operation) const {
@@ -96,10 +113,11 @@ class WholeFolder {
     return {folder, CheckManifest(folder, &changed), arguments_, execution_};
   }
 
-  std::vector<Finding> Check(const std::string& controller, const ProgramFiles& files) const {
+  std::vector<Finding> Check(const MainProgram& main, const std::string& controller,
+                             const ProgramFiles& files) const {
     const CallingSyntax syntax = MakePost(controller)->Calling();
     return CheckWholeProgram(
-        job_, controller, operations_, files, [&](const DoneOperation& operation, ProgramFiles called) {
+        main, controller, files, [&](const DoneOperation& operation, ProgramFiles called) {
           const std::string name = AsCalled(syntax, operation.job, operation.programs.at(controller)).name;
           std::string& text = called.at(name + syntax.called_ending);
           text = AsStandingAlone(syntax, name, text);
@@ -112,6 +130,7 @@ class WholeFolder {
   const Execution execution_;
   std::string job_;
   std::vector<DoneOperation> operations_;
+  std::vector<MainProgram> mains_;
 };
 
 std::vector<VerifiedProgram> VerifySeveral(const VerifyArguments& arguments, Progress& progress,

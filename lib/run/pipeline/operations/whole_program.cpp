@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/operations/whole_program.hpp"
 
-#include <set>
-
 #include "program/calling_program.hpp"
 #include "program/post_entry.hpp"
+#include "program/program_name.hpp"
 #include "run/pipeline/programs/program_files.hpp"
 
 namespace millpose {
@@ -22,10 +21,31 @@ std::vector<CalledProgram> CalledBy(const CallingSyntax& syntax, const std::stri
 
 }  // namespace
 
-WholeProgram MakeWholeProgram(const std::string& job, const std::string& controller,
-                              const std::vector<DoneOperation>& operations) {
-  WholeProgram whole{controller, {}, {}, {}};
-  for (const DoneOperation& operation : operations)
+std::vector<MainProgram> MainProgramsOf(const std::string& job,
+                                        const std::vector<DoneOperation>& operations) {
+  std::vector<MainProgram> mains;
+  for (const DoneOperation& operation : operations) {
+    if (mains.empty() || mains.back().setup != operation.setup)
+      mains.push_back(
+          {operation.setup.empty() ? job : OperationName(job, operation.setup), operation.setup, {}});
+    mains.back().operations.push_back(operation);
+  }
+  return mains;
+}
+
+std::set<std::string> FilesOfMain(const MainProgram& main, const std::string& controller) {
+  const CallingSyntax syntax = MakePost(controller)->Calling();
+  const std::vector<CalledProgram> all = CalledBy(syntax, controller, main.operations);
+  std::set<std::string> names;
+  for (const auto& [name, text] : WriteCalling(syntax, main.name, {}, all)) names.insert(name);
+  for (const CalledProgram& called : all)
+    for (const auto& [name, text] : called.files) names.insert(name);
+  return names;
+}
+
+WholeProgram MakeWholeProgram(const MainProgram& main, const std::string& controller) {
+  WholeProgram whole{controller, main.name, main.setup, main.operations.size(), {}, {}, {}};
+  for (const DoneOperation& operation : main.operations)
     if (!operation.programs.contains(controller)) {
       whole.withheld = fmt::format("no {} main program is written: operation {} has no {} program",
                                    controller, operation.name, controller);
@@ -39,20 +59,19 @@ WholeProgram MakeWholeProgram(const std::string& job, const std::string& control
         controller);
     return whole;
   }
-  const std::vector<CalledProgram> called = CalledBy(syntax, controller, operations);
-  whole.files = WriteCalling(
-      syntax, job,
-      {{"job", job},
-       {"version", std::string("millpose ") + MILLPOSE_VERSION},
-       {"assumed", "the programs called are of this plan; their names say of which job and operation alone"}},
-      called);
+  const std::vector<CalledProgram> called = CalledBy(syntax, controller, main.operations);
+  std::vector<std::pair<std::string, std::string>> header = {
+      {"job", main.name},
+      {"version", std::string("millpose ") + MILLPOSE_VERSION},
+      {"assumed", "the programs called are of this plan; their names say of which job and operation alone"}};
+  if (!main.setup.empty()) header.insert(header.begin() + 1, {"setup", main.setup});
+  whole.files = WriteCalling(syntax, main.name, header, called);
   for (const CalledProgram& program : called) whole.files.insert(program.files.begin(), program.files.end());
-  whole.findings = CheckWholeProgram(job, controller, operations, whole.files);
+  whole.findings = CheckWholeProgram(main, controller, whole.files);
   return whole;
 }
 
-std::vector<Finding> CheckWholeProgram(const std::string& job, const std::string& controller,
-                                       const std::vector<DoneOperation>& operations,
+std::vector<Finding> CheckWholeProgram(const MainProgram& program, const std::string& controller,
                                        const ProgramFiles& files, const HoldCalled& hold) {
   std::vector<Finding> findings;
   const auto add = [&](const std::string& file, int line, const std::string& message) {
@@ -60,8 +79,8 @@ std::vector<Finding> CheckWholeProgram(const std::string& job, const std::string
   };
   const CallingSyntax syntax = MakePost(controller)->Calling();
   std::vector<std::string> expected;
-  const std::vector<CalledProgram> called = CalledBy(syntax, controller, operations);
-  const std::string main = ProgramName(syntax, job) + syntax.ending;
+  const std::vector<CalledProgram> called = CalledBy(syntax, controller, program.operations);
+  const std::string main = ProgramName(syntax, program.name) + syntax.ending;
   std::set<std::string> read = {main};
   for (size_t i = 0; i < called.size(); ++i) {
     expected.push_back(called[i].name);
@@ -81,12 +100,12 @@ std::vector<Finding> CheckWholeProgram(const std::string& job, const std::string
         add(name, 1, "is not the program that the operation's own folder holds");
     }
     if (!same && !missing && hold)
-      std::ranges::copy(hold(operations[i], given), std::back_inserter(findings));
+      std::ranges::copy(hold(program.operations[i], given), std::back_inserter(findings));
   }
-  ProgramFiles written = WriteCalling(syntax, job, {}, called);
+  ProgramFiles written = WriteCalling(syntax, program.name, {}, called);
   CompareBeside(files, written, read, true, findings);
   try {
-    const std::vector<std::string> calls = ReadCalling(syntax, job, files);
+    const std::vector<std::string> calls = ReadCalling(syntax, program.name, files);
     if (calls != expected)
       add(main, 1, fmt::format("calls {}; expected: {}", fmt::join(calls, ", "), fmt::join(expected, ", ")));
   } catch (const InputError& error) {

@@ -125,6 +125,25 @@ std::string SkippedText(const ToldOperation& done) {
   return text;
 }
 
+/// The operations of a setup; all where its name is empty.
+std::vector<ToldOperation> OfSetup(const std::vector<ToldOperation>& operations, const std::string& setup) {
+  std::vector<ToldOperation> own;
+  std::ranges::copy_if(operations, std::back_inserter(own),
+                       [&](const ToldOperation& done) { return setup.empty() || done.setup == setup; });
+  return own;
+}
+
+/// Controllers in their order, each once.
+std::vector<std::string> ControllersOf(const std::vector<WholeProgram>& programs) {
+  std::vector<std::string> controllers;
+  for (const WholeProgram& program : programs)
+    if (std::ranges::find(controllers, program.controller) == controllers.end())
+      controllers.push_back(program.controller);
+  return controllers;
+}
+
+bool IsWhole(const WholeProgram& program) { return program.withheld.empty() && program.findings.empty(); }
+
 /// The widest gap for which the operations' programs are confirmed; null where they are confirmed as a whole.
 Json ButForOf(const std::vector<ToldOperation>& operations, const std::string& controller) {
   Json widest = nullptr;
@@ -137,10 +156,13 @@ Json ButForOf(const std::vector<ToldOperation>& operations, const std::string& c
   return widest;
 }
 
-std::string MainOf(const WholeProgram& program, const std::string& job) {
+std::string MainOf(const WholeProgram& program) {
   const CallingSyntax syntax = MakePost(program.controller)->Calling();
-  return fmt::format("programs/{}/{}{}", program.controller, ProgramName(syntax, job), syntax.ending);
+  return fmt::format("programs/{}/{}{}", program.controller, ProgramName(syntax, program.name),
+                     syntax.ending);
 }
+
+Json NameOrNull(const std::string& name) { return name.empty() ? Json() : Json(name); }
 
 }  // namespace
 
@@ -171,22 +193,29 @@ std::string WholeSummary(const std::string& job, const std::vector<DoneOperation
   json["programs"] = Json::array();
   json["cycle_times"] = Json::array();
   for (const WholeProgram& program : programs) {
-    const bool written = program.withheld.empty() && program.findings.empty();
-    json["programs"].push_back(
-        {{"path", MainOf(program, job)},
-         {"controller", program.controller},
-         {"verified", written},
-         {"withheld", written ? Json(nullptr) : Json(program.withheld)},
-         {"but_for", written ? ButForOf(operations, program.controller) : Json(nullptr)}});
-    if (written)
-      json["cycle_times"].push_back(
-          {{"controller", program.controller}, {"total_s", CycleOf(operations, program.controller)}});
+    const bool written = IsWhole(program);
+    const std::vector<ToldOperation> own = OfSetup(operations, program.setup);
+    json["programs"].push_back({{"path", MainOf(program)},
+                                {"controller", program.controller},
+                                {"setup", NameOrNull(program.setup)},
+                                {"verified", written},
+                                {"withheld", written ? Json(nullptr) : Json(program.withheld)},
+                                {"but_for", written ? ButForOf(own, program.controller) : Json(nullptr)}});
   }
+  for (const std::string& controller : ControllersOf(programs))
+    if (std::ranges::all_of(programs, [&](const WholeProgram& program) {
+          return program.controller != controller || IsWhole(program);
+        }))
+      json["cycle_times"].push_back(
+          {{"controller", controller}, {"total_s", CycleOf(operations, controller)}});
   json["findings"] = Findings(operations, programs);
   json["operations"] = Json::array();
   for (const ToldOperation& done : operations)
-    json["operations"].push_back(
-        {{"name", done.name}, {"folder", done.folder}, {"tool", done.tool}, {"summary", done.json}});
+    json["operations"].push_back({{"name", done.name},
+                                  {"folder", done.folder},
+                                  {"tool", done.tool},
+                                  {"setup", NameOrNull(done.setup)},
+                                  {"summary", done.json}});
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -214,13 +243,16 @@ std::string WholeReport(const std::string& job, const std::vector<DoneOperation>
   const auto say = [&](const char* english) { return Escaped(Say(language, english)); };
   std::string html = TablePageHead(job + " — millpose", kWholeStyle, language) + "<h1>" + Escaped(job) +
                      "</h1>\n<div class=\"scroll\"><table>\n<thead><tr>";
-  for (const char* text : {"operation", "tool"}) html += "<th>" + say(text) + "</th>";
+  const bool setups = !all.front().setup.empty();
+  for (const char* text : {"operation", "setup", "tool"})
+    if (setups || text != std::string("setup")) html += "<th>" + say(text) + "</th>";
   for (const char* figure : {"points", "planned"}) html += "<th class=\"n\">" + say(figure) + "</th>";
   html += "<th>" + say("objective") + "</th>";
   for (const char* figure : {"worst", "least distance, mm"})
     html += "<th class=\"n\">" + say(figure) + "</th>";
-  for (const WholeProgram& program : programs)
-    html += "<th class=\"n\">" + program.controller + ", h:min:s</th>";
+  const std::vector<std::string> controllers = ControllersOf(programs);
+  for (const std::string& controller : controllers)
+    html += "<th class=\"n\">" + controller + ", h:min:s</th>";
   html += "</tr></thead>\n<tbody>\n";
   for (const ToldOperation& done : operations) {
     const Json& points = done.json.at("points");
@@ -228,7 +260,7 @@ std::string WholeReport(const std::string& job, const std::vector<DoneOperation>
     const Json& clearance = done.json.at("clearance_min_mm");
     const bool whole = points.at("planned") == points.at("total");
     html += fmt::format(
-        "<tr><td><a href=\"{0}/report.html\">{1}</a></td><td>{2}</td><td class=\"n\">{3}</td><td "
+        "<tr><td><a href=\"{0}/report.html\">{1}</a></td>{9}<td>{2}</td><td class=\"n\">{3}</td><td "
         "class=\"n{4}\">{5}</td>"
         "<td>{6}</td><td class=\"n\">{7}</td><td class=\"n\">{8}</td>",
         Escaped(done.folder), Escaped(done.name), Escaped(done.tool), points.at("total").get<size_t>(),
@@ -238,10 +270,11 @@ std::string WholeReport(const std::string& job, const std::vector<DoneOperation>
             ? fmt::format("{:.4g} {}", worst.get<double>(),
                           Escaped(done.json.at("stiffness").at("units").at("objective").get<std::string>()))
             : "&ndash;",
-        clearance.is_number() ? fmt::format("{:.1f}", clearance.get<double>()) : "&ndash;");
-    for (const WholeProgram& program : programs)
-      html += done.programs.contains(program.controller)
-                  ? fmt::format("<td class=\"n\">{}</td>", ClockText(CycleOf({done}, program.controller)))
+        clearance.is_number() ? fmt::format("{:.1f}", clearance.get<double>()) : "&ndash;",
+        setups ? "<td>" + Escaped(done.setup) + "</td>" : "");
+    for (const std::string& controller : controllers)
+      html += done.programs.contains(controller)
+                  ? fmt::format("<td class=\"n\">{}</td>", ClockText(CycleOf({done}, controller)))
                   : "<td class=\"n bad\">" + say("withheld") + "</td>";
     html += "</tr>\n";
   }
@@ -311,15 +344,16 @@ ToldLines ProgramLines(const std::vector<ToldOperation>& operations,
                        const std::vector<WholeProgram>& programs) {
   ToldLines lines;
   for (const WholeProgram& program : programs) {
-    if (!program.withheld.empty() || !program.findings.empty()) continue;
-    const Json bound = ButForOf(operations, program.controller);
-    lines.push_back(fmt::format("programs/{}: calls {} programs, read back and confirmed{}; {}",
-                                program.controller, operations.size(),
-                                bound.is_null()
-                                    ? ""
+    if (!IsWhole(program)) continue;
+    const std::vector<ToldOperation> own = OfSetup(operations, program.setup);
+    const Json bound = ButForOf(own, program.controller);
+    lines.push_back(
+        fmt::format("programs/{}{}: calls {} programs, read back and confirmed{}; {}", program.controller,
+                    program.setup.empty() ? "" : ", setup " + program.setup, program.calls,
+                    bound.is_null() ? ""
                                     : fmt::format(" but for the corner's path, bounded by {:.4f} mm",
                                                   bound.at("bound_mm").get<double>()),
-                                ClockText(CycleOf(operations, program.controller))));
+                    ClockText(CycleOf(own, program.controller))));
   }
   return lines;
 }
@@ -353,8 +387,10 @@ std::string WholeText(const std::vector<DoneOperation>& all, const std::vector<W
                       const std::filesystem::path& out) {
   const std::vector<ToldOperation> operations = Told(all);
   std::string text;
+  std::string setup;
   for (const ToldOperation& done : operations) {
     const Json& points = done.json.at("points");
+    if (done.setup != setup) text += fmt::format("setup      {}\n", setup = done.setup);
     text += fmt::format("operation  {}: {} of {} points with {}, {}\n", done.name,
                         points.at("planned").get<size_t>(), points.at("total").get<size_t>(), done.tool,
                         (out / done.folder).string());

@@ -206,9 +206,15 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   report.lost_motion =
       ReportLostMotion(plan, MakeGearModel(results.inputs.cell), results.inputs.cell.arm.lost_motion_source,
                        FinishedFrom(results.inputs.job, plan.passes.size()));
-  std::optional<GeometryFigures> geometry =
-      ErrorOfGeometry(results.inputs.cell.arm, plan, FinishedFrom(results.inputs.job, plan.passes.size()));
-  if (geometry) geometry->taken_out = results.inputs.job.compensation.deviations;
+  const std::optional<GeometryFigures> geometry =
+      ErrorOfGeometry(results.inputs.cell.arm, plan, FinishedFrom(results.inputs.job, plan.passes.size()),
+                      results.inputs.job.compensation.deviations);
+  const double path_tolerance = results.inputs.job.program_options.path_tolerance;
+  if (geometry && geometry->taken_out && geometry->gears.value_or(0) > path_tolerance)
+    report.warnings.push_back(fmt::format(
+        "between the points of the path waves of the gears leave up to {:.3f} mm along the normal, "
+        "more than program_options.path_tolerance_mm; a smaller toolpath.spacing_mm takes more out",
+        *geometry->gears));
   report.budget =
       MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion,
                  report.registration ? &*report.registration : nullptr, geometry ? &*geometry : nullptr);

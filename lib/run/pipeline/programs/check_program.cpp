@@ -8,7 +8,7 @@ ProgramCheck CheckProgram(const MotionProgram& program, const ProgramMotions& mo
   ProgramCheck check;
   check.findings = Verify(program, with.world, &motions.planned, with.options, with.execution);
   check.but_for = FindCornerBound(program, with.world.cell());
-  if (!check.findings.empty() || motions.planned.notice.empty()) return check;
+  if (!check.findings.empty() || !motions.commanded) return check;
   check.under_load = ReplayUnderLoad(program, with.world.cell(), plan);
   CheckUnderLoad(*check.under_load, motions.chord, check.findings);
   return check;

@@ -18,6 +18,19 @@ namespace {
 // rad: twice what verification asks for; joints nearer to 0 are no matter for turn bits.
 constexpr double kTurnLeast = 2 * kUncertainTurn;
 
+/// The joints whose gears and couplings an arm's programs take out; empty where there are none.
+std::string JointsCorrected(const DeviationSettings& deviations) {
+  std::array<int, 6> waves{};
+  for (const JointHarmonic& wave : deviations.gears) ++waves[static_cast<size_t>(wave.joint) - 1];
+  std::vector<std::string> parts;
+  for (size_t i = 0; i < waves.size(); ++i)
+    if (waves[i] > 0) parts.push_back(fmt::format("A{} ({})", i + 1, waves[i]));
+  std::string text = parts.empty() ? "" : fmt::format("waves of {}", fmt::join(parts, ", "));
+  for (const JointCoupling& pair : deviations.couplings)
+    text += fmt::format("{}A{} with A{}", text.empty() ? "" : ", ", pair.joint, pair.follows);
+  return text;
+}
+
 MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
                                 const std::string& controller_name, const std::optional<BaseWindow>& window) {
   const JobSettings& job = inputs.job;
@@ -56,9 +69,12 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
     options.header.emplace_back("COMPENSATED", "NOT TO BE RUN TWICE ON ONE PART");
     options.notice = kCompensatedNotice;
   }
-  if (lift == 0 && job.compensation.deviations)
+  if (lift == 0 && job.compensation.deviations) {
     options.header.emplace_back("corrected_for_arm", fmt::format("{}, measured on {}", inputs.cell.arm.serial,
                                                                  inputs.cell.arm.deviations->date));
+    if (const std::string joints = JointsCorrected(*inputs.cell.arm.deviations); !joints.empty())
+      options.header.emplace_back("corrected_for_gears", joints);
+  }
   options.outputs = settings.outputs;
   return options;
 }
@@ -96,7 +112,9 @@ void StateEntries(const PostSettings& settings, ProgramMotions& motions) {
 /// mm: what is taken out may be less than the usual chord, and no point may go that carries a part of it.
 double CompensatedChord(const PlanResult& plan) {
   constexpr double kShare = 0.05, kLeast = 1e-5, kMost = 1e-3;
-  return std::clamp(kShare * FiguresOfCompensation(plan)->largest_shift, kLeast, kMost);
+  const CompensationFigures figures = *FiguresOfCompensation(plan);
+  const double taken_out = figures.shifts ? figures.largest_shift : figures.largest_arm_shift;
+  return std::clamp(kShare * taken_out, kLeast, kMost);
 }
 
 EconomyOptions MakeEconomyOptions(const ProgramOptionSettings& options) {
@@ -122,7 +140,8 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
   const Post& post = *inputs.cell.controllers.at(controller).post;
   EconomyOptions economy = MakeEconomyOptions(job.program_options);
   economy.lines = post.Lines(settings);
-  if (!motions.planned.notice.empty() && !job.program_options.chord_tolerance)
+  motions.commanded = lift == 0 && (IsCompensated(plan) || job.compensation.deviations);
+  if (motions.commanded && !job.program_options.chord_tolerance)
     economy.position_tolerance = std::min(economy.position_tolerance, CompensatedChord(plan));
   if (const double reserve = post.AngleReserve(); reserve > 0)
     economy.angle_tolerance = std::min(economy.angle_tolerance, job.program_options.path_angle - reserve);

@@ -10,12 +10,13 @@ namespace millpose {
 
 /// The motions of a plan for one controller.
 struct ProgramMotions {
-  MotionProgram planned;              ///< every point of the plan: what a program is verified against
-  MotionProgram written;              ///< what is given to the post: without needless points
-  int saved = 0;                      ///< points that `written` leaves out
-  int inserted = 0;                   ///< points that `written` adds so that the tool turns as planned
-  double chord = 0;                   ///< mm, by which a point left out may lie beside the way
-  int near = 0;                       ///< points that remain nearer than the least spacing
+  MotionProgram planned;   ///< every point of the plan: what a program is verified against
+  MotionProgram written;   ///< what is given to the post: without needless points
+  bool commanded = false;  ///< elsewhere than planned: shifts or the arm's deviations are taken out
+  int saved = 0;           ///< points that `written` leaves out
+  int inserted = 0;        ///< points that `written` adds so that the tool turns as planned
+  double chord = 0;        ///< mm, by which a point left out may lie beside the way
+  int near = 0;            ///< points that remain nearer than the least spacing
   std::vector<std::string> warnings;  ///< handovers in a cut
   ProgramTime time;                   ///< of `written`
 };
