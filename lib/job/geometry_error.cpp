@@ -7,7 +7,7 @@
 namespace millpose {
 namespace {
 
-/// LargestOffs along the normals, mm.
+/// The largest along the normals, mm: less what a frame measured with the arm takes up, and whole.
 struct LargestOffs {
   double after_frame = 0, absolute = 0;
 };

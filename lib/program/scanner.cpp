@@ -207,6 +207,12 @@ void LineScanner::FailFrom(size_t start, const std::string& message) const {
   throw InputError(PlaceOf(start), fmt::format("{}, but '{}' given", message, TakenFrom(start)));
 }
 
+int LineScanner::WholeFrom(size_t start, double number, int least, int most) const {
+  if (number < least || number > most || number != std::floor(number))
+    FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
+  return static_cast<int>(number);
+}
+
 void LineScanner::Fail(const std::string& message) const {
   const std::string given(Trim(line_.substr(std::min(position_, line_.size()))));
   throw InputError(

@@ -59,6 +59,8 @@ class LineScanner {
   [[noreturn]] void Fail(const std::string& message) const;
   /// What was taken from `start` (Next() before) on is wrong.
   [[noreturn]] void FailFrom(size_t start, const std::string& message) const;
+  /// `number`, which was read from `start` (Next() before) on: whole and within these bounds.
+  int WholeFrom(size_t start, double number, int least, int most) const;
   int number() const { return number_; }
   /// The place of column `start` (Next() before), and what was taken from there on.
   SourceLocation PlaceOf(size_t start) const;

@@ -81,19 +81,17 @@ void AddCycle(const ReportInputs& inputs, Lines& lines) {
   if (!parts.empty()) lines.push_back(Line("cycle", fmt::format("{}", fmt::join(parts, ", "))));
 }
 
-/// As many of the sentences as there is room for, then how many follow.
-void AddSome(const std::string& word, const Lines& sentences, size_t room, Lines& lines) {
+}  // namespace
+
+void TellSome(const std::string& word, const std::vector<std::string>& sentences, size_t room,
+              std::vector<std::string>& lines, const std::string& all) {
   if (sentences.empty() || room == 0) return;
   const size_t shown = sentences.size() <= room ? sentences.size() : room - 1;
   for (size_t i = 0; i < shown; ++i) lines.push_back(Line(word, sentences[i]));
   if (shown < sentences.size())
-    lines.push_back(Line(word, fmt::format("{}{}: plan -v or report.html", sentences.size() - shown,
-                                           shown > 0               ? " more"
-                                           : sentences.size() == 1 ? " warning"
-                                                                   : " warnings")));
+    lines.push_back(Line(word, fmt::format("{} {}: plan -v or report.html", sentences.size() - shown,
+                                           shown > 0 ? "more" : all)));
 }
-
-}  // namespace
 
 std::string BriefText(const PlanResult& plan, const ReportInputs& inputs, const std::string& folder) {
   const PlanFigures figures = Figures(plan);
@@ -105,8 +103,8 @@ std::string BriefText(const PlanResult& plan, const ReportInputs& inputs, const 
   if (figures.clearance_min)
     lines.push_back(Line("clearance", fmt::format("at least {:.1f} mm", *figures.clearance_min)));
   if (figures.planned > 0 && inputs.budget) lines.push_back(Line("face", BudgetBrief(*inputs.budget)));
-  AddSome("finding", inputs.findings, kFindings, lines);
-  AddSome("warning", inputs.warnings, kMostLines - 1 - lines.size(), lines);
+  TellSome("finding", inputs.findings, kFindings, lines);
+  TellSome("warning", inputs.warnings, kMostLines - 1 - lines.size(), lines, "warnings");
   lines.push_back(Line("report", (std::filesystem::path(folder) / "report.html").string()));
   return fmt::format("{}\n", fmt::join(lines, "\n"));
 }

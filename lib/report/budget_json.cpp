@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/budget_json.hpp"
 
+#include <algorithm>
+
 namespace millpose {
 
 nlohmann::ordered_json BudgetJson(const std::optional<Budget>& budget) {
@@ -15,6 +17,21 @@ nlohmann::ordered_json BudgetJson(const std::optional<Budget>& budget) {
           {"rows", rows},
           {"sum_um", 1e3 * budget->Sum()},
           {"sum_leaves_out", budget->LeftOut()}};
+}
+
+std::optional<Budget> ReadBudget(const nlohmann::json& summary) {
+  const nlohmann::json& known = summary.at("budget");
+  if (!known.is_object()) return std::nullopt;
+  Budget budget;
+  for (const nlohmann::json& row : known.at("rows")) {
+    std::string key = row.at("source").get<std::string>(), name = key;
+    std::ranges::replace(name, '_', ' ');
+    budget.rows.push_back(
+        {std::move(key), std::move(name),
+         row.at("um").is_number() ? std::optional(row.at("um").get<double>() / 1e3) : std::nullopt,
+         row.at("basis").get<std::string>()});
+  }
+  return budget;
 }
 
 }  // namespace millpose

@@ -18,6 +18,8 @@ const std::vector<std::string>& RequiredColumns() {
 
 bool IsText(std::string_view column) { return column == "kind" || column == "status" || column == "reason"; }
 
+}  // namespace
+
 std::vector<std::string> SplitCells(std::string_view line) {
   std::vector<std::string> cells;
   for (size_t begin = 0; begin <= line.size();) {
@@ -27,8 +29,6 @@ std::vector<std::string> SplitCells(std::string_view line) {
   }
   return cells;
 }
-
-}  // namespace
 
 PointsTable::PointsTable(std::string csv, const std::string& name) {
   std::vector<Problem> problems;

@@ -8,6 +8,9 @@
 
 namespace millpose {
 
+/// The cells of a line of our CSV files, which have no quotes.
+std::vector<std::string> SplitCells(std::string_view line);
+
 /// points.csv as read back: columns by name, rows in the file's order.
 class PointsTable {
  public:

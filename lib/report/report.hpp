@@ -199,6 +199,11 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs);
 std::string RunJson(const RunFigures& figures);
 
 /// The screenful that `plan` prints.
+/// Adds lines "word sentence", as many as there is room for, then how many follow: "3 more", or "3 `all`"
+/// where none was told.
+void TellSome(const std::string& word, const std::vector<std::string>& sentences, size_t room,
+              std::vector<std::string>& lines, const std::string& all = "more");
+
 /// What a run ends with on the terminal, twelve lines at most: done or not and why, programs, cycle times,
 /// clearance, the face's error with its largest sources, findings, warnings, where the report is. `folder`:
 /// of the results.

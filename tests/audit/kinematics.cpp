@@ -123,8 +123,8 @@ Indices ComputeIndices(const Setup& setup, const Angles& angles, const Vector3& 
   const Vector3 n = normal_W.normalized();
   Eigen::Index least;
   n.cwiseAbs().minCoeff(&least);
-  Matrix3 plane =
-      Matrix3::Zero();  // a third column of nothing: of square matrices the decomposition compiles quickly
+  // With a third column of nothing: of square matrices the decomposition compiles quickly.
+  Matrix3 plane = Matrix3::Zero();
   plane.col(0) = n.cross(Vector3(Vector3::Unit(least))).normalized();
   plane.col(1) = n.cross(Vector3(plane.col(0)));
   const Matrix3 inverse = c.inverse();

@@ -70,8 +70,8 @@ Codec<CompensationSettings> CompensationFields() {
               .DefaultText("5"),
           Key<S>("max_gear_mm", MILLPOSE_AT(most_gear), Real(kMm, Positive(10)),
                  "Likewise what its gears' tables and couplings may.")
-              .WhenSet([](const S& s) { return s.deviations && s.most_gear != 1; })
-              .DefaultText("1"),
+              .WhenSet([](const S& s) { return s.deviations && s.most_gear != 2; })
+              .DefaultText("2"),
       },
       CheckDeviationKeys);
 }

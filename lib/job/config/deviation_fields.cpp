@@ -7,6 +7,14 @@ namespace {
 
 const Unit kMrad{"mrad", 1, 1000};
 
+/// Where `key` is given: seven rows, base to flange.
+void CheckRows(const Value& value, const Context& context, const char* key,
+               const std::vector<Eigen::Vector3d>& rows) {
+  if (const auto* given = value.FindKey(key); given && rows.size() != 7)
+    context.Child(key).Add(given->mark,
+                           fmt::format("given {} rows; allowed: seven, base to flange", rows.size()));
+}
+
 /// 2026-11-26.
 bool IsDate(const std::string& text) {
   constexpr std::string_view kForm = "dddd-dd-dd";
@@ -68,27 +76,17 @@ Codec<DeviationPattern> PatternFields() {
               .Required(),
       },
       [](const Value& value, const Context& context, S& s) {
-        const auto check = [&](const char* key, size_t rows) {
-          if (rows != 7)
-            context.Child(key).Add(value.FindKey(key)->mark,
-                                   fmt::format("given {} rows; allowed: seven, base to flange", rows));
-        };
-        check("shifts_mm", s.shifts.size());
-        check("turns_mrad", s.turns.size());
+        CheckRows(value, context, "shifts_mm", s.shifts);
+        CheckRows(value, context, "turns_mrad", s.turns);
       });
 }
 
 /// Seven rows each, which may be left out where the joints alone differ.
 void CheckFrames(const Value& value, const Context& context, DeviationSettings& s) {
-  const auto check = [&](const char* key, std::vector<Eigen::Vector3d>& rows) {
-    const auto* given = value.FindKey(key);
-    if (given && rows.size() != 7)
-      context.Child(key).Add(given->mark,
-                             fmt::format("given {} rows; allowed: seven, base to flange", rows.size()));
-    if (!given) rows.assign(7, Eigen::Vector3d::Zero());
-  };
-  check("shifts_mm", s.shifts);
-  check("turns_mrad", s.turns);
+  CheckRows(value, context, "shifts_mm", s.shifts);
+  CheckRows(value, context, "turns_mrad", s.turns);
+  for (std::vector<Eigen::Vector3d>* rows : {&s.shifts, &s.turns})
+    if (rows->empty()) rows->assign(7, Eigen::Vector3d::Zero());
 }
 
 /// No two entries of one kind, and nothing that is no gear's.

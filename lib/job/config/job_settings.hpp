@@ -139,7 +139,7 @@ struct CompensationSettings {
   std::string map_file;       ///< of a measured part's error; empty: none
   bool deviations = false;    ///< of the arm's frames and joints
   double most_deviation = 5;  ///< mm, that those of the frames may move the tip by
-  double most_gear = 1;       ///< mm, that the law of its joints may move it by
+  double most_gear = 2;       ///< mm, that the law of its joints may move it by
 
   /// Whether tips are shifted from where the plan has them.
   bool Shifts() const { return deflection != TakeOut::kOff || weight || !map_file.empty(); }

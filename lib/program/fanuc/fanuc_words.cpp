@@ -27,10 +27,7 @@ void ReadSignal(LineScanner& scan) {
 
 int ReadWhole(LineScanner& scan, int least, int most) {
   const size_t start = scan.Next();
-  const double number = scan.ExpectDecimal();
-  if (number < least || number > most || number != std::floor(number))
-    scan.FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
-  return static_cast<int>(number);
+  return scan.WholeFrom(start, scan.ExpectDecimal(), least, most);
 }
 
 double ReadConstant(LineScanner& scan) {

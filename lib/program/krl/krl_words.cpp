@@ -42,10 +42,7 @@ void ReadOperand(LineScanner& scan, int depth) {
 
 int ReadWhole(LineScanner& scan, int least, int most) {
   const size_t start = scan.Next();
-  const double number = scan.ExpectNumber();
-  if (number < least || number > most || number != std::floor(number))
-    scan.FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
-  return static_cast<int>(number);
+  return scan.WholeFrom(start, scan.ExpectNumber(), least, most);
 }
 
 bool ReadTruth(LineScanner& scan) {

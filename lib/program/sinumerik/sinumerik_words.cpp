@@ -11,10 +11,7 @@ constexpr int kMostOutputs = 1024;  // $A_OUT[n]
 
 int ReadWhole(LineScanner& scan, int least, int most) {
   const size_t start = scan.Next();
-  const double number = scan.ExpectDecimal();
-  if (number < least || number > most || number != std::floor(number))
-    scan.FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
-  return static_cast<int>(number);
+  return scan.WholeFrom(start, scan.ExpectDecimal(), least, most);
 }
 
 Eigen::Vector3d ReadTriple(LineScanner& scan, std::string_view function) {

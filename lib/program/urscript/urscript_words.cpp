@@ -71,10 +71,7 @@ double ReadNumber(LineScanner& scan) {
 
 int ReadWhole(LineScanner& scan, int least, int most) {
   const size_t start = scan.Next();
-  const double number = ReadNumber(scan);
-  if (number < least || number > most || number != std::floor(number))
-    scan.FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
-  return static_cast<int>(number);
+  return scan.WholeFrom(start, ReadNumber(scan), least, most);
 }
 
 bool ReadTruth(LineScanner& scan) {

@@ -15,6 +15,7 @@
 #include "run/batch/slurm.hpp"
 #include "run/pipeline/commands/diff_folders.hpp"
 #include "run/pipeline/operations/run_job.hpp"
+#include "run/pipeline/outputs/run_record.hpp"
 #include "run/pipeline/outputs/up_to_date.hpp"
 #include "store/output_folder.hpp"
 
@@ -210,22 +211,13 @@ std::string AtManifest(const std::string& cause, const BatchJob& job) {
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
-namespace {
-
-/// Whether the pages of a plan open in a language: its run says what it was asked for, that last.
-bool IsSaidIn(const fs::path& folder, Language language) {
-  const std::string asked = Json::parse(ReadFile(folder / kRunFile)).at("asked").get<std::string>();
-  if (language == Language::kEnglish) return asked.find(" lang ") == std::string::npos;
-  return asked.ends_with(" lang " + std::string(WordOf(kLanguageWords, language)));
-}
-
-}  // namespace
-
 std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) {
   try {
     if (!IsOutputFolder(folder)) return std::nullopt;
     const std::string key = KeyOf(LoadOperations(job.file, job.overrides, job.root), folder);
-    if (!HoldsPlanOf(folder, key) || !IsSaidIn(folder, job.language)) return std::nullopt;
+    if (!HoldsPlanOf(folder, key)) return std::nullopt;
+    const Json run = Json::parse(ReadFile(folder / kRunFile));
+    if (!WasSaidIn(run.at("asked").get<std::string>(), job.language)) return std::nullopt;
     JobOutcome outcome = Judge(folder, 0, "");
     if (outcome.status > 1) return std::nullopt;
     outcome.up_to_date = true;

@@ -2,6 +2,7 @@
 #include "run/pipeline/commands/advise.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/yaml/value.hpp"
 #include "job/assemble.hpp"
@@ -38,12 +39,7 @@ const yaml::Value* At(const yaml::Value& root, const std::string& path) {
 
 std::optional<double> NumberAt(const yaml::Value& root, const std::string& path) {
   const yaml::Value* at = At(root, path);
-  if (!at || at->kind != yaml::Value::Kind::kScalar) return std::nullopt;
-  try {
-    return std::stod(at->text);
-  } catch (const std::exception&) {
-    return std::nullopt;
-  }
+  return at && at->kind == yaml::Value::Kind::kScalar ? ParseNumber(at->text) : std::nullopt;
 }
 
 /// One operation of a job, planned with this value or that.

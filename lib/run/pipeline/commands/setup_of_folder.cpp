@@ -18,23 +18,17 @@
 #include "job/workpiece.hpp"
 #include "planning/result/cycle_time.hpp"
 #include "planning/result/station.hpp"
+#include "report/budget_json.hpp"
 #include "report/setup_picture.hpp"
 #include "report/setup_sheet.hpp"
 #include "report/view_mesh.hpp"
-#include "run/pipeline/commands/reported_folder.hpp"
+#include "run/pipeline/commands/operation_json.hpp"
 
 namespace millpose {
 namespace {
 
 using JsonTree = nlohmann::json;
 using Eigen::Vector3d;
-
-/// An operation with its summary.json as a tree.
-struct SheetOperation : FolderOperation {
-  explicit SheetOperation(FolderOperation one)
-      : FolderOperation(std::move(one)), json(JsonTree::parse(summary, nullptr, false)) {}
-  JsonTree json;
-};
 
 /// Three numbers to `digits` decimals; no -0.
 std::string Three(const Vector3d& v, int digits) {
@@ -46,12 +40,12 @@ std::string Three(const Vector3d& v, int digits) {
 std::string Place(const Vector3d& p) { return Three(p, 2); }
 std::string Turned(const Pose& X) { return Three(kDegPerRad * AnglesZyx(X.linear()), 3); }
 
-SheetSection SummaryOf(const std::vector<SheetOperation>& operations) {
+SheetSection SummaryOf(const std::vector<OperationWithTree>& operations) {
   SheetSection section{.title = "Summary"};
   section.table.columns = {"operation",          "tool",           "milled", "cycle, h:min:s",
                            "least distance, mm", "face off by, µm"};
   section.table.names = 2;
-  for (const SheetOperation& one : operations) {
+  for (const OperationWithTree& one : operations) {
     const JsonTree& points = one.json.at("points");
     std::vector<std::string> times;
     for (const JsonTree& time : one.json.at("cycle_times"))
@@ -71,9 +65,9 @@ SheetSection SummaryOf(const std::vector<SheetOperation>& operations) {
 }
 
 /// Sentences of the summaries, those of operations with their names; each once.
-SheetSection Sentences(const std::vector<SheetOperation>& operations, const char* key, const char* title) {
+SheetSection Sentences(const std::vector<OperationWithTree>& operations, const char* key, const char* title) {
   SheetSection section{.title = title};
-  for (const SheetOperation& one : operations)
+  for (const OperationWithTree& one : operations)
     for (const JsonTree& sentence : one.json.at(key)) {
       const std::string text = sentence.get<std::string>();
       section.list.push_back(operations.size() > 1 ? one.name + ": " + text : text);
@@ -81,22 +75,21 @@ SheetSection Sentences(const std::vector<SheetOperation>& operations, const char
   return section;
 }
 
-SheetSection Sources(const std::vector<SheetOperation>& operations) {
+SheetSection Sources(const std::vector<OperationWithTree>& operations) {
   SheetSection section{.title = "What the face may be off by"};
   section.note =
       "Along its normal, source by source, each at its largest; what is not stated is not in the sum.";
   section.table.columns = {"operation", "source", "µm", "what the figure is of"};
   section.table.names = 1;
-  for (const SheetOperation& one : operations)
-    for (const JsonTree& row : one.json.at("budget").at("rows"))
-      section.table.rows.push_back(
-          {one.name, WordsOfKey(row.at("source").get<std::string>()),
-           row.at("um").is_number() ? fmt::format("{:.3g}", row.at("um").get<double>()) : "not stated",
-           row.at("basis").get<std::string>()});
+  for (const OperationWithTree& one : operations)
+    for (const BudgetRow& row : ReadBudget(one.json).value_or(Budget{}).rows)
+      section.table.rows.push_back({one.name, row.name,
+                                    row.largest ? fmt::format("{:.3g}", 1e3 * *row.largest) : "not stated",
+                                    row.basis});
   return section;
 }
 
-SheetSection Datum(const SheetOperation& first) {
+SheetSection Datum(const OperationWithTree& first) {
   const JobSettings& job = first.inputs.job;
   const PlanResult& plan = first.plan;
   SheetSection section{.title = "Datum"};
@@ -141,7 +134,7 @@ std::string LengthsOf(const ToolSettings& tool) {
 }
 
 /// Tools in the order in which they are asked for, each once.
-SheetSection ToolsOf(const std::vector<SheetOperation>& operations) {
+SheetSection ToolsOf(const std::vector<OperationWithTree>& operations) {
   SheetSection section{.title = "Tools"};
   section.table.columns = {"tool",
                            "number",
@@ -154,7 +147,7 @@ SheetSection ToolsOf(const std::vector<SheetOperation>& operations) {
                            "tip known to, mm"};
   section.table.names = 1;
   std::set<std::string> told;
-  for (const SheetOperation& one : operations) {
+  for (const OperationWithTree& one : operations) {
     const ToolSettings& tool = one.inputs.cell.tool;
     if (!told.insert(tool.name).second) continue;
     std::string cutter =
@@ -173,11 +166,11 @@ SheetSection ToolsOf(const std::vector<SheetOperation>& operations) {
   return section;
 }
 
-SheetSection AxisPositions(const std::vector<SheetOperation>& operations) {
+SheetSection AxisPositions(const std::vector<OperationWithTree>& operations) {
   SheetSection section{.title = "External axes"};
   section.table.columns = {"operation", "passes", "stand at"};
   section.table.names = 1;
-  for (const SheetOperation& one : operations) {
+  for (const OperationWithTree& one : operations) {
     if (one.plan.external_axes.empty()) continue;
     // Neighbouring passes at one station share a row.
     for (size_t p = 0; p < one.plan.passes.size();) {
@@ -224,9 +217,9 @@ SheetSection ProgramsOf(const ReportedFolder& folder) {
 }
 
 /// Before the first run: what each controller asks for, once for all operations.
-void AddFirstRuns(const std::vector<SheetOperation>& operations, SetupSheet& sheet) {
+void AddFirstRuns(const std::vector<OperationWithTree>& operations, SetupSheet& sheet) {
   std::map<std::string, SheetSection> by_controller;
-  for (const SheetOperation& one : operations)
+  for (const OperationWithTree& one : operations)
     for (const std::string& controller : one.inputs.job.programs) {
       SheetSection& section = by_controller[controller];
       section.title = "Before a first run: " + controller;
@@ -245,7 +238,7 @@ Pose PartAt(const PlanResult& plan, const PassResult& pass, const PlannedPoint& 
   return Mechanism(plan.external_axes).Moved(Carries::kWorkpiece, external) * plan.X_WP;
 }
 
-PicturePath PathOf(const SheetOperation& one, Vector3d& normals, Vector3d& axes) {
+PicturePath PathOf(const OperationWithTree& one, Vector3d& normals, Vector3d& axes) {
   PicturePath path{one.name, {}, {}};
   for (const PassResult& pass : one.plan.passes) {
     const auto in_part = [&](const PlannedPoint& point) { return PartAt(one.plan, pass, point).inverse(); };
@@ -265,7 +258,7 @@ PicturePath PathOf(const SheetOperation& one, Vector3d& normals, Vector3d& axes)
   return path;
 }
 
-SheetSection SetupOf(std::span<const SheetOperation> operations, const Cell& cell, const Mesh& part,
+SheetSection SetupOf(std::span<const OperationWithTree> operations, const Cell& cell, const Mesh& part,
                      Language language) {
   const PlanResult& plan = operations.front().plan;
   const Pose X_PW = plan.X_WP.inverse();
@@ -284,7 +277,7 @@ SheetSection SetupOf(std::span<const SheetOperation> operations, const Cell& cel
     picture.solids.push_back(std::move(solid));
   }
   Vector3d normals = Vector3d::Zero(), axes = Vector3d::Zero();
-  for (const SheetOperation& one : operations) picture.paths.push_back(PathOf(one, normals, axes));
+  for (const OperationWithTree& one : operations) picture.paths.push_back(PathOf(one, normals, axes));
   // From the side that is milled, a little from above and aside, so that neither face nor depth is lost.
   Vector3d looked = normals.norm() > 1e-6 ? normals.normalized()
                     : axes.norm() > 1e-6  ? axes.normalized()
@@ -304,9 +297,9 @@ SheetSection SetupOf(std::span<const SheetOperation> operations, const Cell& cel
 }
 
 /// The operations of each setup in a row, those of a job without setups in one.
-std::vector<std::span<const SheetOperation>> BySetup(const std::vector<SheetOperation>& operations,
-                                                     const std::vector<std::string>& setups) {
-  std::vector<std::span<const SheetOperation>> groups;
+std::vector<std::span<const OperationWithTree>> BySetup(const std::vector<OperationWithTree>& operations,
+                                                        const std::vector<std::string>& setups) {
+  std::vector<std::span<const OperationWithTree>> groups;
   for (size_t i = 0; i < operations.size(); ++i) {
     if (i == 0 || setups[i] != setups[i - 1]) groups.push_back({&operations[i], 0});
     groups.back() = {groups.back().data(), groups.back().size() + 1};
@@ -315,10 +308,10 @@ std::vector<std::span<const SheetOperation>> BySetup(const std::vector<SheetOper
 }
 
 /// Picture and datum of each setup.
-void AddSetups(const std::vector<SheetOperation>& operations, const std::vector<std::string>& setups,
+void AddSetups(const std::vector<OperationWithTree>& operations, const std::vector<std::string>& setups,
                const Mesh& part, Language language, std::vector<SheetSection>& sections) {
   size_t first = 0;
-  for (const std::span<const SheetOperation> group : BySetup(operations, setups)) {
+  for (const std::span<const OperationWithTree> group : BySetup(operations, setups)) {
     for (SheetSection section :
          {SetupOf(group, MakeJobCell(group.front().inputs), part, language), Datum(group.front())}) {
       if (!setups[first].empty()) section.note = fmt::format("Setup {}. {}", setups[first], section.note);
@@ -332,7 +325,7 @@ void AddSetups(const std::vector<SheetOperation>& operations, const std::vector<
 
 std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop) {
   const ReportedFolder folder = ReadReportedFolder(arguments);
-  std::vector<SheetOperation> operations;
+  std::vector<OperationWithTree> operations;
   for (const FolderOperation& one : folder.operations) operations.emplace_back(one);
   const bool several = folder.several;
   JobInputs& inputs = operations.front().inputs;
@@ -342,7 +335,7 @@ std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop)
   const Part part = ReadPart(inputs, cell);
   SetupSheet sheet;
   try {
-    const SheetOperation& first = operations.front();
+    const OperationWithTree& first = operations.front();
     sheet.title = folder.job + ": setup sheet";
     sheet.subtitle = SubtitleOf(folder);
     std::vector<std::string> setups(operations.size());
@@ -359,7 +352,7 @@ std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop)
         sheet.sections.push_back(std::move(section));
     }
     AddFirstRuns(operations, sheet);
-    for (const SheetOperation& one : operations)
+    for (const OperationWithTree& one : operations)
       sheet.appendix.emplace_back(several ? one.name + "/job.yaml" : "job.yaml", one.inputs.job_text);
     sheet.appendix.emplace_back("cell.yaml", first.inputs.cell.text);
   } catch (const JsonTree::exception&) {

@@ -15,9 +15,11 @@
 #include "base/hash.hpp"
 #include "base/text.hpp"
 #include "planning/result/cycle_time.hpp"
+#include "report/budget_json.hpp"
 #include "report/points_table.hpp"
 #include "report/summary_sheet.hpp"
 #include "report/words/word_table.hpp"
+#include "run/pipeline/commands/operation_json.hpp"
 #include "store/manifest.hpp"
 
 namespace millpose {
@@ -30,13 +32,6 @@ constexpr const char* kForceColour = "#cf4500";
 constexpr const char* kLostMotionColour = "#009e73";
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// An operation with its summary.json as a tree.
-struct SignedOperation : FolderOperation {
-  explicit SignedOperation(FolderOperation one)
-      : FolderOperation(std::move(one)), json(JsonTree::parse(summary, nullptr, false)) {}
-  JsonTree json;
-};
-
 /// The folder with its summaries as trees.
 struct SignedFolder {
   explicit SignedFolder(const ReportedFolder& reported)
@@ -46,7 +41,7 @@ struct SignedFolder {
   }
   bool several;
   JsonTree all;  // of the whole job
-  std::vector<SignedOperation> operations;
+  std::vector<OperationWithTree> operations;
 };
 
 size_t CountIn(const JsonTree& summary, const char* section, const char* key) {
@@ -71,7 +66,7 @@ std::string LeastDistance(const JsonTree& summary) {
 }
 
 /// µm; 0 where no face is cut or nothing is stated.
-double StatedError(const SignedOperation& one) {
+double StatedError(const OperationWithTree& one) {
   const JsonTree& budget = one.json.at("budget");
   return budget.is_object() ? budget.at("sum_um").get<double>() : 0;
 }
@@ -79,7 +74,7 @@ double StatedError(const SignedOperation& one) {
 std::string FaceErrorText(double um) { return um > 0 ? fmt::format("{:.3g}", um) : "-"; }
 
 /// Why an operation is not whole.
-void AddReasons(const SignedOperation& one, std::vector<std::string>& why) {
+void AddReasons(const OperationWithTree& one, std::vector<std::string>& why) {
   const JsonTree& skipped = one.json.at("skipped");
   std::map<std::string, size_t> by_reason;
   for (const JsonTree& point : skipped) ++by_reason[point.at("reason").get<std::string>()];
@@ -99,7 +94,7 @@ void AddReasons(const SignedOperation& one, std::vector<std::string>& why) {
 }
 
 void AddVerdict(const SignedFolder& folder, const std::vector<FolderProgram>& programs, SummarySheet& sheet) {
-  for (const SignedOperation& one : folder.operations) AddReasons(one, sheet.why);
+  for (const OperationWithTree& one : folder.operations) AddReasons(one, sheet.why);
   const bool whole = sheet.why.empty();
   const size_t withheld = static_cast<size_t>(std::ranges::count(programs, false, &FolderProgram::written));
   const size_t gaps = static_cast<size_t>(std::ranges::count_if(
@@ -127,7 +122,7 @@ void AddVerdict(const SignedFolder& folder, const std::vector<FolderProgram>& pr
 std::vector<std::string> SentencesIn(const SignedFolder& folder, const char* key) {
   if (folder.all.contains(key)) return folder.all.at(key).get<std::vector<std::string>>();
   std::vector<std::pair<std::string, std::vector<std::string>>> told;  // sentence, operations
-  for (const SignedOperation& one : folder.operations)
+  for (const OperationWithTree& one : folder.operations)
     for (const JsonTree& json : one.json.at(key)) {
       const std::string sentence = json.get<std::string>();
       auto known = std::ranges::find(told, sentence, [](const auto& entry) { return entry.first; });
@@ -146,7 +141,7 @@ void AddOperations(const SignedFolder& folder, SummarySheet& sheet) {
       "operation",          "tool",           "points", "milled", "passes", "cycle, h:min:s",
       "least distance, mm", "face off by, µm"};
   sheet.operations.names = 2;
-  for (const SignedOperation& one : folder.operations)
+  for (const OperationWithTree& one : folder.operations)
     sheet.operations.rows.push_back(
         {one.name, one.inputs.cell.tool.name, fmt::format("{}", CountIn(one.json, "points", "total")),
          fmt::format("{}", CountIn(one.json, "points", "planned")), fmt::format("{}", one.plan.passes.size()),
@@ -154,15 +149,13 @@ void AddOperations(const SignedFolder& folder, SummarySheet& sheet) {
 }
 
 void AddSources(const SignedFolder& folder, SummarySheet& sheet) {
-  const SignedOperation& worst = *std::ranges::max_element(
-      folder.operations, {}, [](const SignedOperation& one) { return StatedError(one); });
-  const JsonTree& budget = worst.json.at("budget");
-  if (!budget.is_object()) return;
+  const OperationWithTree& worst = *std::ranges::max_element(
+      folder.operations, {}, [](const OperationWithTree& one) { return StatedError(one); });
+  const std::optional<Budget> budget = ReadBudget(worst.json);
+  if (!budget) return;
   if (folder.several) sheet.error_of = worst.name;
-  for (const JsonTree& row : budget.at("rows"))
-    sheet.sources.push_back(
-        {WordsOfKey(row.at("source").get<std::string>()),
-         row.at("um").is_number() ? std::optional(row.at("um").get<double>()) : std::nullopt});
+  for (const BudgetRow& row : budget->rows)
+    sheet.sources.push_back({row.name, row.largest ? std::optional(1e3 * *row.largest) : std::nullopt});
 }
 
 /// Column `normal_um` of deflection.csv; empty where there is no such file or the cell is.
@@ -170,18 +163,9 @@ std::vector<double> NormalDisplacements(const Folder& folder, size_t points) {
   std::vector<double> displacements(points, kNone);
   if (folder.KindOf("deflection.csv") != Folder::Kind::kFile) return displacements;
   const std::string csv = folder.Read("deflection.csv");
-  const auto cells_of = [](std::string_view line) {
-    std::vector<std::string_view> cells;
-    for (size_t at = 0; at <= line.size();) {
-      const size_t end = std::min(line.find(',', at), line.size());
-      cells.push_back(line.substr(at, end - at));
-      at = end + 1;
-    }
-    return cells;
-  };
   std::optional<size_t> number, normal;
   for (const std::string_view line : LinesOf(csv)) {
-    const std::vector<std::string_view> cells = cells_of(line);
+    const std::vector<std::string> cells = SplitCells(line);
     if (!number) {
       number = static_cast<size_t>(std::ranges::find(cells, "point") - cells.begin());
       normal = static_cast<size_t>(std::ranges::find(cells, "normal_um") - cells.begin());
@@ -198,7 +182,7 @@ std::vector<double> NormalDisplacements(const Folder& folder, size_t points) {
 /// What the charts show, of all operations one after the other.
 class Courses {
  public:
-  void Add(const SignedOperation& one, const Folder& folder, const std::string& number) {
+  void Add(const OperationWithTree& one, const Folder& folder, const std::string& number) {
     const PointsTable table(folder.Read("points.csv"), "points.csv");
     const std::vector<double> by_force = NormalDisplacements(folder, table.size());
     if (!number.empty()) parts_.emplace_back(passed_, number);
@@ -267,7 +251,7 @@ std::string SummaryOfFolder(const SetupArguments& arguments) {
     AddOperations(folder, sheet);
     AddSources(folder, sheet);
     double worst = 0;
-    for (const SignedOperation& one : folder.operations) worst = std::max(worst, StatedError(one));
+    for (const OperationWithTree& one : folder.operations) worst = std::max(worst, StatedError(one));
     sheet.tiles = {{"points milled", fmt::format("{} / {}", CountIn(summary, "points", "planned"),
                                                  CountIn(summary, "points", "total"))},
                    {"cycle, h:min:s", LongestCycle(summary)},

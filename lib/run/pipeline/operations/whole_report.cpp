@@ -10,6 +10,7 @@
 #include "program/calling_program.hpp"
 #include "program/post_entry.hpp"
 #include "program/scanner.hpp"
+#include "report/budget_json.hpp"
 #include "report/page/escaped.hpp"
 #include "report/page/table_page.hpp"
 #include "report/report.hpp"
@@ -299,14 +300,6 @@ constexpr size_t kToldPrograms = 3, kToldFindings = 3;
 
 using ToldLines = std::vector<std::string>;
 
-/// As many of the sentences as there is room for, then how many follow.
-void TellSome(const char* word, const ToldLines& sentences, size_t room, ToldLines& lines) {
-  const size_t shown = sentences.size() <= room ? sentences.size() : room - 1;
-  for (size_t i = 0; i < shown; ++i) lines.push_back(fmt::format("{:<10} {}", word, sentences[i]));
-  if (shown < sentences.size())
-    lines.push_back(fmt::format("{:<10} {} more: plan -v or report.html", word, sentences.size() - shown));
-}
-
 /// Done or not, of all operations together.
 std::string StateLine(const std::string& job, const std::vector<ToldOperation>& operations, size_t findings) {
   const size_t planned = Sum(operations, "points", "planned"), total = Sum(operations, "points", "total"),
@@ -325,17 +318,9 @@ std::string StateLine(const std::string& job, const std::vector<ToldOperation>& 
 std::string FaceLine(const std::vector<ToldOperation>& operations) {
   Budget worst;
   for (const ToldOperation& done : operations) {
-    const Json& known = done.json.at("budget");
-    if (!known.is_object() || done.json.at("points").at("planned") == 0) continue;
-    Budget budget;
-    for (const Json& row : known.at("rows")) {
-      std::string name = row.at("source").get<std::string>();
-      std::ranges::replace(name, '_', ' ');
-      budget.rows.push_back(
-          {row.at("source").get<std::string>(), name,
-           row.at("um").is_number() ? std::optional(row.at("um").get<double>() / 1000) : std::nullopt, ""});
-    }
-    if (worst.rows.empty() || budget.Sum() > worst.Sum()) worst = std::move(budget);
+    std::optional<Budget> budget = ReadBudget(done.json);
+    if (!budget || done.json.at("points").at("planned") == 0) continue;
+    if (worst.rows.empty() || budget->Sum() > worst.Sum()) worst = *std::move(budget);
   }
   return worst.rows.empty() ? "" : BudgetBrief(worst);
 }

@@ -9,6 +9,9 @@
 namespace millpose {
 namespace {
 
+// Of AskedFor(), before the word of the language; the last in it.
+constexpr const char* kLanguageAsked = " lang ";
+
 // What results depend on beside the inputs.
 std::string AskedFor(const PlanArguments& arguments) {
   std::string asked = "max-points " + ShortestNumber(arguments.max_points);
@@ -17,11 +20,16 @@ std::string AskedFor(const PlanArguments& arguments) {
   if (arguments.full_axis_map) asked += " axis-map full";
   if (arguments.trajectory) asked += " trajectory " + ShortestNumber(*arguments.trajectory);
   if (arguments.language != Language::kEnglish)
-    asked += " lang " + WordOf(kLanguageWords, arguments.language);
+    asked += kLanguageAsked + WordOf(kLanguageWords, arguments.language);
   return asked;
 }
 
 }  // namespace
+
+bool WasSaidIn(std::string_view asked, Language language) {
+  if (language == Language::kEnglish) return asked.find(kLanguageAsked) == std::string_view::npos;
+  return asked.ends_with(kLanguageAsked + std::string(WordOf(kLanguageWords, language)));
+}
 
 std::filesystem::path FolderOf(const std::filesystem::path& job) {
   return job.has_parent_path() ? job.parent_path() : ".";

@@ -9,6 +9,9 @@
 
 namespace millpose {
 
+/// Whether the pages of a run open in this language; `asked` as its run.json has it.
+bool WasSaidIn(std::string_view asked, Language language);
+
 /// The folder that a job file stands in.
 std::filesystem::path FolderOf(const std::filesystem::path& job);
 
