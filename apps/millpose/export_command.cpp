@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "commands.hpp"
-#include "run/pipeline/commands/export_ros.hpp"
+#include "run/pipeline/commands/export_gltf.hpp"
 
 namespace millpose {
 namespace {
@@ -19,22 +19,34 @@ void CheckPackage(const std::string& name) {
 
 int Export(const ExportArguments& arguments, Session& session) {
   CheckPackage(arguments.package);
-  const ExportOutcome outcome = ExportRos(arguments, {1, session.progress, session.stop});
-  fmt::print("{}", outcome.text);
-  return outcome.status;
+  if (arguments.ros.empty() && arguments.gltf.empty())
+    throw InputError(SourceLocation{}, "--ros FOLDER or --gltf FILE: missing; needed: at least one of them");
+  if (arguments.ros.empty() && !arguments.package.empty())
+    throw InputError(SourceLocation{}, "--package: has no effect without --ros");
+  int status = 0;
+  for (const auto& [asked, make] :
+       {std::pair(!arguments.ros.empty(), &ExportRos), std::pair(!arguments.gltf.empty(), &ExportGltf)}) {
+    if (!asked) continue;
+    const ExportOutcome outcome = make(arguments, {1, session.progress, session.stop});
+    fmt::print("{}", outcome.text);
+    status = std::max(status, outcome.status);
+  }
+  return status;
 }
 
 }  // namespace
 
 void AddExportCommand(CLI::App& app, Run& run) {
-  CLI::App* command =
-      app.add_subcommand("export", "A plan's motion and cell for other programs: ROS 2 (docs/ros.md)");
+  CLI::App* command = app.add_subcommand("export",
+                                         "A plan's motion and cell for other programs: ROS 2 (docs/ros.md), "
+                                         "an animated scene (docs/gltf.md)");
   const auto arguments = std::make_shared<ExportArguments>();
   command->add_option("DIR", arguments->plan, "Output folder of millpose plan")->required();
-  command
-      ->add_option("--ros", arguments->ros,
-                   "Folder to write: joint_trajectory.yaml and .csv, cell.urdf with its meshes, cell.srdf")
-      ->required();
+  command->add_option(
+      "--ros", arguments->ros,
+      "Folder to write: joint_trajectory.yaml and .csv, cell.urdf with its meshes, cell.srdf");
+  command->add_option("--gltf", arguments->gltf,
+                      "File to write, .glb: the cell and its run as an animation, glTF 2.0");
   command->add_option(
       "--package", arguments->package,
       "ROS package that the folder will be: meshes are named package://PACKAGE/meshes/…, else "

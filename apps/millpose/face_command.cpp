@@ -15,6 +15,7 @@ struct FaceWords {
   std::optional<double> rotation_deg, lost_motion_arcmin;
   int threads = 0;
   bool json = false;
+  Language language = Language::kEnglish;  // of the text
 };
 
 int Face(const FaceWords& words, Session& session) {
@@ -26,7 +27,7 @@ int Face(const FaceWords& words, Session& session) {
   const FaceReport report = FaceOfFolder(arguments, {words.threads, session.progress, session.stop});
   session.progress.End(fmt::format("{} places", report.plan.expected.figures.rays));
   if (!words.csv.empty()) WriteLooseFile(words.csv, FaceCsv(report.rays, report.plan.expected.heights));
-  fmt::print("{}", words.json ? FaceJson(report) : FaceText(report));
+  fmt::print("{}", words.json ? FaceJson(report) : FaceText(report, words.language));
   return kDone;
 }
 
@@ -65,7 +66,13 @@ void AddFaceCommand(CLI::App& app, Run& run) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_flag("--json", words->json, "JSON on standard output");
-  command->callback([&run, words] { run = [words](Session& session) { return Face(*words, session); }; });
+  const LanguageOption language = AddLanguageOption(*command);
+  command->callback([&run, words, language] {
+    run = [words, language](Session& session) {
+      words->language = ParseLanguage(*language);
+      return Face(*words, session);
+    };
+  });
 }
 
 }  // namespace millpose

@@ -18,6 +18,7 @@
 #include "base/error.hpp"
 #include "clean_output.hpp"
 #include "commands.hpp"
+#include "help_format.hpp"
 #include "piped_objective.hpp"
 #include "terminal_progress.hpp"
 
@@ -186,6 +187,7 @@ int Main(int argc, char** argv) {
       "`millpose help COMMAND` explains one command.\n"
       "Exit status: 0 done; 1 done, with findings; 2 bad input or usage; 3 internal error; 130 interrupted."};
   app.name("millpose");
+  app.formatter(std::make_shared<HelpFormat>());
   app.set_version_flag("-V,--version", "millpose " MILLPOSE_VERSION);
   app.require_subcommand(1);
   app.option_defaults()->always_capture_default();

@@ -159,8 +159,8 @@ struct Judge::Impl {
   static bool Inside(const Item& a, const Item& b) {
     if (!b.closed) return false;
     const Vector3 p_W = Apply(a.X_WG, a.body.mesh[0][0]);
-    if ((p_W - Apply(b.X_WG, b.centre)).norm() > b.radius) return false;
     const Vector3 p_G = b.X_WG.block<3, 3>(0, 0).transpose() * (p_W - Vector3(b.X_WG.block<3, 1>(0, 3)));
+    if (((p_G - b.centre).cwiseAbs() - b.half).maxCoeff() > 0) return false;  // outside the box around it
     return IsInside(p_G, b.body.mesh);
   }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 
+#include "base/counted.hpp"
 #include "planning/result/skipped.hpp"
 #include "report/report.hpp"
 
@@ -23,13 +24,12 @@ void AddState(const PlanResult& plan, const ReportInputs& inputs, Lines& lines) 
   const PlanFigures figures = Figures(plan);
   const size_t ways_left = plan.gaps.size() - static_cast<size_t>(figures.gaps_planned);
   const bool whole = figures.planned == figures.total && ways_left == 0;
-  std::string text =
-      fmt::format("{} on {}: {} of {} points in {} pass{}", plan.job, plan.cell, figures.planned,
-                  figures.total, plan.passes.size(), plan.passes.size() == 1 ? "" : "es");
+  std::string text = fmt::format("{} on {}: {} of {} points in {}", plan.job, plan.cell, figures.planned,
+                                 figures.total, CountedPasses(plan.passes.size()));
   if (ways_left > 0)
     text += fmt::format(", {} of {} ways between them not planned", ways_left, plan.gaps.size());
   if (whole && !inputs.findings.empty())
-    text += fmt::format(", {} finding{}", inputs.findings.size(), inputs.findings.size() == 1 ? "" : "s");
+    text += ", " + Counted(inputs.findings.size(), "finding", "findings");
   lines.push_back(Line(!whole ? "INCOMPLETE" : inputs.findings.empty() ? "done" : "FINDINGS", text));
 }
 

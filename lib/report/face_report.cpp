@@ -5,6 +5,7 @@
 
 #include "base/units.hpp"
 #include "report/face_json.hpp"
+#include "report/words/word_table.hpp"
 
 namespace millpose {
 namespace {
@@ -21,39 +22,72 @@ std::string ShownMicrometres(const std::optional<double>& millimetres) {
   return fmt::format("{:.4g}", std::abs(shown) < kRounding ? 0 : shown);
 }
 
-std::string FaceRow(const char* name, const FaceFigures& face) {
-  const std::optional<double> figures[] = {face.heights.level,
-                                           face.heights.low,
-                                           face.heights.high,
-                                           face.flatness,
-                                           face.minimum_zone,
-                                           face.added.high - face.added.low,
-                                           face.within ? std::optional(face.within->range) : std::nullopt,
-                                           face.step ? std::optional(face.step->height) : std::nullopt};
-  std::string row = fmt::format("{:<22}", name);
-  for (const std::optional<double>& figure : figures) row += fmt::format("{:>11}", ShownMicrometres(figure));
-  return row + '\n';
+constexpr size_t kRowName = 22, kRowFigure = 11;  // columns of a terminal
+
+/// A text in its columns, to the right of them or to the left.
+std::string InColumns(const std::string& text, size_t columns, bool right) {
+  const std::string blanks(columns - std::min(columns, ColumnsOf(text)), ' ');
+  return right ? blanks + text : text + blanks;
 }
 
-std::string FaceRows(const FaceStudy& study) {
-  std::string text = FaceRow("tool without error", study.flawless.figures);
-  if (study.by_force) text += FaceRow("force alone", *study.by_force);
-  if (study.by_lost) text += FaceRow("lost motion alone", *study.by_lost);
-  if (study.by_geometry) text += FaceRow("geometry alone", *study.by_geometry);
-  text += FaceRow("expected", study.expected.figures);
-  if (const size_t standing = study.expected.figures.standing; standing > 0)
-    text += fmt::format("  {} places are left standing as high as the stock: passes do not quite meet\n",
-                        standing);
-  if (!study.drawn) return text;
-  const DrawnFaces& drawn = *study.drawn;
-  const auto interval = [](const DrawnInterval& of) {
-    return fmt::format("{:.4g} to {:.4g}", kFaceMicrometres * of.low, kFaceMicrometres * of.high);
-  };
-  text += fmt::format("  5 to 95 % of {} draws within what is stated, on {} places: level {}, added {}",
-                      drawn.count, drawn.rays, interval(drawn.level), interval(drawn.added));
-  if (drawn.flatness) text += ", flatness " + interval(*drawn.flatness);
-  return text + '\n';
-}
+/// Writes the rows of the table and the lines under them.
+class FaceWriter {
+ public:
+  explicit FaceWriter(Language language) : language_(language) {}
+
+  std::string Said(const std::string& english) const { return Say(language_, english); }
+
+  std::string Head() const {
+    std::string row(kRowName, ' ');
+    for (const char* column :
+         {"level", "lowest", "highest", "flatness", "zone", "added", "in pass", "at steps"})
+      row += InColumns(Said(column), kRowFigure, true);
+    return row + '\n';
+  }
+
+  std::string Rows(const FaceStudy& study) const {
+    std::string text = Row("tool without error", study.flawless.figures);
+    if (study.by_force) text += Row("force alone", *study.by_force);
+    if (study.by_lost) text += Row("lost motion alone", *study.by_lost);
+    if (study.by_geometry) text += Row("geometry alone", *study.by_geometry);
+    text += Row("expected", study.expected.figures);
+    if (const size_t standing = study.expected.figures.standing; standing > 0)
+      text += "  " +
+              Said(fmt::format("{} places are left standing as high as the stock: passes do not quite meet",
+                               standing)) +
+              '\n';
+    return study.drawn ? text + "  " + Said(DrawnText(*study.drawn)) + '\n' : text;
+  }
+
+ private:
+  std::string Row(const char* name, const FaceFigures& face) const {
+    const std::optional<double> figures[] = {face.heights.level,
+                                             face.heights.low,
+                                             face.heights.high,
+                                             face.flatness,
+                                             face.minimum_zone,
+                                             face.added.high - face.added.low,
+                                             face.within ? std::optional(face.within->range) : std::nullopt,
+                                             face.step ? std::optional(face.step->height) : std::nullopt};
+    std::string row = InColumns(Said(name), kRowName, false);
+    for (const std::optional<double>& figure : figures)
+      row += InColumns(ShownMicrometres(figure), kRowFigure, true);
+    return row + '\n';
+  }
+
+  static std::string DrawnText(const DrawnFaces& drawn) {
+    const auto interval = [](const DrawnInterval& of) {
+      return fmt::format("{:.4g} to {:.4g}", kFaceMicrometres * of.low, kFaceMicrometres * of.high);
+    };
+    std::string text =
+        fmt::format("5 to 95 % of {} draws within what is stated, on {} places: level {}, added {}",
+                    drawn.count, drawn.rays, interval(drawn.level), interval(drawn.added));
+    if (drawn.flatness) text += ", flatness " + interval(*drawn.flatness);
+    return text;
+  }
+
+  Language language_;
+};
 
 std::string StatedText(const StatedErrors& stated) {
   std::string text;
@@ -80,21 +114,20 @@ std::vector<std::string> NotInFace(const StatedErrors& stated) {
   return missing;
 }
 
-std::string FaceText(const FaceReport& report) {
-  std::string text = fmt::format(
-      "face of {}: heights along the normal at {} places {:.4g} mm apart, um\n\n{:<22}{:>11}{:>11}{:>11}"
-      "{:>11}{:>11}{:>11}{:>11}{:>11}\n",
-      report.job, report.plan.expected.figures.rays, report.rays.spacing, "", "level", "lowest", "highest",
-      "flatness", "zone", "added", "in pass", "step");
-  text += FaceRows(report.plan);
+std::string FaceText(const FaceReport& report, Language language) {
+  const FaceWriter writer(language);
+  std::string text =
+      writer.Said(fmt::format("face of {}: heights along the normal at {} places {:.4g} mm apart, um",
+                              report.job, report.plan.expected.figures.rays, report.rays.spacing)) +
+      "\n\n" + writer.Head() + writer.Rows(report.plan);
   if (report.fixed)
-    text += fmt::format("\nat a fixed rotation of {:.4g} deg\n", RadToDeg(*report.rotation)) +
-            FaceRows(*report.fixed);
+    text += '\n' + writer.Said(fmt::format("at a fixed rotation of {:.4g} deg", RadToDeg(*report.rotation))) +
+            '\n' + writer.Rows(*report.fixed);
   if (!report.fixed_in_the_way.empty())
-    text += "\nno fixed rotation beside it: " + report.fixed_in_the_way + '\n';
-  text += fmt::format("\nstated: {}\nnot in it: {}\n", StatedText(report.stated),
-                      fmt::join(NotInFace(report.stated), ", "));
-  if (!report.rays.plane) text += "the region is no plane: flatness does not apply\n";
+    text += '\n' + writer.Said("no fixed rotation beside it: " + report.fixed_in_the_way) + '\n';
+  text += '\n' + writer.Said("stated: " + StatedText(report.stated)) + '\n' +
+          writer.Said(fmt::format("not in it: {}", fmt::join(NotInFace(report.stated), ", "))) + '\n';
+  if (!report.rays.plane) text += writer.Said("the region is no plane: flatness does not apply") + '\n';
   return text;
 }
 

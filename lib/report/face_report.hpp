@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planning/face/face_study.hpp"
+#include "report/words/words.hpp"
 
 namespace millpose {
 
@@ -24,8 +25,8 @@ struct FaceReport {
 /// What every output says that the faces leave out.
 std::vector<std::string> NotInFace(const StatedErrors& stated);
 
-/// For the terminal.
-std::string FaceText(const FaceReport& report);
+/// For the terminal and the report, in columns: words in `language`, figures and names as they are.
+std::string FaceText(const FaceReport& report, Language language = Language::kEnglish);
 /// Keys name their units.
 std::string FaceJson(const FaceReport& report);
 

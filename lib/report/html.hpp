@@ -16,6 +16,7 @@
 #include "report/face_report.hpp"
 #include "report/lost_motion.hpp"
 #include "report/words/words.hpp"
+#include "toolpath/stock/removal.hpp"
 
 namespace millpose {
 
@@ -97,6 +98,7 @@ struct HtmlInput {
   const LostMotionReport* lost_motion = nullptr;  ///< of the plan
   const Budget* budget = nullptr;                 ///< of the face's error
   const FaceReport* face = nullptr;               ///< where it was asked for
+  const Removal* removal = nullptr;               ///< of the raw part, where there is one
   Language language = Language::kEnglish;         ///< in which it opens; its menu has all
   std::string operation = {};                     ///< its name, the title where the job lists several
 

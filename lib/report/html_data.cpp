@@ -280,6 +280,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"budget", BudgetRows(input.budget)},
             {"fixed", FixedJson(input)},
             {"face", FaceMapJson(input)},
+            {"removal", RemovalJson(input.removal)},
             {"price", PriceJson(plan)},
             {"paper", PaperJson(plan)},
             {"settings", input.settings}};

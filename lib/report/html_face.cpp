@@ -68,7 +68,9 @@ Json FaceMapJson(const HtmlInput& input) {
     return Json{{"added_um", PackFloats(lattice.Added(study))},
                 {"level_um", kToMicrometres * study.expected.figures.added.level}};
   };
-  return {{"text", FaceText(face)},
+  Json texts;
+  for (const auto& [word, language] : kLanguageWords) texts[word] = FaceText(face, language);
+  return {{"text", texts},
           {"across", std::string(1, names[(axis + 1) % 3])},
           {"up", std::string(1, names[(axis + 2) % 3])},
           {"spacing_mm", lattice.step() * face.rays.spacing},

@@ -40,6 +40,9 @@ Json NearestJson(const HtmlInput& input, const std::vector<ReportRow>& rows);
 /// What bars the poses of the points that have curves, and the optima of the rows; null without a map.
 Json MapJson(const HtmlInput& input, const std::vector<ReportRow>& rows);
 
+/// The material while it is milled off; null without a raw part.
+Json RemovalJson(const Removal* removal);
+
 /// The map of the face, the plan's beside the fixed rotation's; null where it was not asked for.
 Json FaceMapJson(const HtmlInput& input);
 

@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kPictureWidth = 720, kPictureHeight = 430, kPictureMargin = 34;  // px
-constexpr size_t kPartFaces = 4000, kOtherFaces = 600;                            // drawn
+constexpr size_t kOtherFaces = 600;                                               // drawn
 // Colours that people of all kinds of sight tell apart (Okabe and Ito 2008).
 constexpr std::array kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 
@@ -56,8 +56,8 @@ struct Facet {
 };
 
 /// The faces of a solid that look at us, shaded by how much they do.
-void AddFacets(const View& view, const PictureSolid& solid, std::vector<Facet>& facets) {
-  const Triangles mesh = ThinnedMesh(solid.mesh, solid.part ? kPartFaces : kOtherFaces);
+void AddFacets(const View& view, const PictureSolid& solid, size_t most, std::vector<Facet>& facets) {
+  const Triangles mesh = ThinnedMesh(solid.mesh, most);
   for (const auto& face : mesh.faces) {
     const Vector3d &a = mesh.vertices[static_cast<size_t>(face[0])],
                    &b = mesh.vertices[static_cast<size_t>(face[1])],
@@ -91,12 +91,18 @@ std::string Arrow(const View& view, const Vector3d& from, const Vector3d& to, co
          Label(b + 12 * u + Vector2d(-4, 4), name);
 }
 
-std::string PathSvg(const View& view, const PicturePath& path, const std::string& colour, size_t number) {
+/// Lines of tips as the `d` of a path.
+std::string LinesText(const View& view, const std::vector<std::vector<Vector3d>>& lines) {
   std::string d;
-  for (const std::vector<Vector3d>& cut : path.cuts)
-    for (size_t i = 0; i < cut.size(); ++i) d += (i == 0 ? "M" : "L") + Text(view.At(cut[i]));
-  std::string svg = fmt::format(
-      "<path class=\"cut\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.1\"/>", d, colour);
+  for (const std::vector<Vector3d>& line : lines)
+    for (size_t i = 0; i < line.size(); ++i) d += (i == 0 ? "M" : "L") + Text(view.At(line[i]));
+  return d;
+}
+
+std::string PathSvg(const View& view, const PicturePath& path, const std::string& colour, size_t number) {
+  std::string svg =
+      fmt::format("<path class=\"cut\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.1\"/>",
+                  LinesText(view, path.cuts), colour);
   for (const Vector3d& p : path.skipped) {
     const Vector2d at = view.At(p);
     svg += fmt::format("<circle class=\"skipped\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"1.6\" fill=\"#b3261e\"/>",
@@ -150,10 +156,15 @@ std::string PictureOf(const SetupPicture& picture) {
       kPictureWidth, kPictureHeight,
       Escaped(Say(picture.language, "The part in its fixture and what is milled")));
   std::vector<Facet> facets;
-  for (const PictureSolid& solid : picture.solids) AddFacets(view, solid, facets);
+  for (const PictureSolid& solid : picture.solids)
+    AddFacets(view, solid, solid.part ? picture.part_faces : kOtherFaces, facets);
   std::ranges::stable_sort(facets, {}, &Facet::depth);
   for (const Facet& facet : facets) svg += facet.svg;
   svg += "</g>";
+  if (!picture.elsewhere.empty())
+    svg += fmt::format(
+        "<path class=\"elsewhere\" d=\"{}\" fill=\"none\" stroke=\"#9aa0a6\" stroke-width=\".7\"/>",
+        LinesText(view, picture.elsewhere));
   for (size_t i = 0; i < picture.paths.size(); ++i)
     svg += PathSvg(view, picture.paths[i], PathColour(i), i + 1);
   constexpr std::array kAxes = {std::pair("x", "#c0392b"), std::pair("y", "#1e8449"),

@@ -18,7 +18,6 @@ struct PictureSolid {
 
 /// What one operation mills: lines of tips in P, mm, one for each piece.
 struct PicturePath {
-  std::string name;
   std::vector<std::vector<Eigen::Vector3d>> cuts;
   std::vector<Eigen::Vector3d> skipped;  ///< tips that are not milled
 };
@@ -26,15 +25,17 @@ struct PicturePath {
 struct SetupPicture {
   std::vector<PictureSolid> solids;
   std::vector<PicturePath> paths;
-  Eigen::Vector3d towards = Eigen::Vector3d::UnitZ();  ///< in P: from the part towards who looks
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();       ///< in P: upwards in the workshop
-  Eigen::Vector3d arm = Eigen::Vector3d::Zero();       ///< in P, mm: the robot's base
-  Language language = Language::kEnglish;              ///< of its words
+  std::vector<std::vector<Eigen::Vector3d>> elsewhere = {};  ///< lines of tips in P, mm: not milled as shown
+  size_t part_faces = 4000;                                  ///< of the part that are drawn, at most
+  Eigen::Vector3d towards = Eigen::Vector3d::UnitZ();        ///< in P: from the part towards who looks
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();             ///< in P: upwards in the workshop
+  Eigen::Vector3d arm = Eigen::Vector3d::Zero();             ///< in P, mm: the robot's base
+  Language language = Language::kEnglish;                    ///< of its words
 };
 
 /// An SVG in parallel projection, mm of the part to one scale: solids shaded and sorted from far to near,
-/// paths over them (each operation in its colour, its first tip numbered), axes of P at its origin, an arrow
-/// towards the arm. A pure function of its argument.
+/// paths over them (each operation in its colour, its first tip numbered; grey what is milled elsewhere),
+/// axes of P at its origin, an arrow towards the arm. A pure function of its argument.
 std::string PictureOf(const SetupPicture& picture);
 
 /// Colour of operation `i` in the picture, as CSS has it.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iterator>
 
+#include "base/counted.hpp"
 #include "base/units.hpp"
 #include "planning/result/skipped.hpp"
 #include "report/face_choices_json.hpp"
@@ -109,7 +110,8 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   fmt::format_to(out, "job {} on {} ({})\n", plan.job, plan.cell, plan.arm.name);
   fmt::format_to(out, "points     {} planned of {}, {} skipped\n", figures.planned, figures.total,
                  figures.total - figures.planned);
-  fmt::format_to(out, "passes     {} in {} pieces\n", plan.passes.size(), figures.pieces);
+  fmt::format_to(out, "passes     {} in {}\n", plan.passes.size(),
+                 Counted(figures.pieces, "piece", "pieces"));
   fmt::format_to(out, "gaps       {} planned of {}\n", figures.gaps_planned, plan.gaps.size());
   AppendLinkMoveRemarks(plan, &text);
   AppendSkipped(plan, &text);

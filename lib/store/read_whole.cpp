@@ -60,6 +60,8 @@ void ReadWhole(const std::filesystem::path& folder, const std::function<void()>&
       reading();
     } catch (const InputError&) {
       refusal = std::current_exception();
+    } catch (const std::filesystem::filesystem_error&) {  // a folder that went while it was listed
+      refusal = std::current_exception();
     }
     if (StandingIn(folder) != before) continue;
     if (refusal) std::rethrow_exception(refusal);

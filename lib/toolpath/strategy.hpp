@@ -86,6 +86,8 @@ class Strategy {
   virtual bool IsPrescribed() const { return false; }
   /// Whether the force of milling a surface (process.cutting) says something of it.
   virtual bool HasMillingForce() const { return true; }
+  /// Whether the tool cuts on its way in, so that the plunge feed is the feed of its cuts.
+  virtual bool CutsAtPlungeFeed() const { return false; }
   /// Objective where the job names none; empty: that of all jobs.
   virtual std::string DefaultObjective() const { return {}; }
   /// s that the tool stands where a pass turns back for the last time.

@@ -26,7 +26,15 @@ class Frame(unittest.TestCase):
             self.assertEqual(result.returncode, 0)
             self.assertIn("Usage: millpose", result.stdout)
             self.assertEqual(result.stderr, "")
-        self.assertIn("Exit status: 0 done", run("--help").stdout)
+        self.assertIn("Exit status: 0 done", re.sub(r"\s+", " ", run("--help").stdout))
+
+    def test_help_fits_a_terminal_of_80_columns(self):
+        commands = re.findall(r"^  ([a-z]+)  ", run("--help").stdout.split("Subcommands:")[1], re.M)
+        self.assertGreater(len(commands), 15)
+        for command in ([], *([name] for name in commands)):
+            text = run(*command, "--help").stdout
+            # A line of one word cannot be broken; names of options stand by themselves.
+            self.assertEqual([line for line in text.splitlines() if len(line) > 79 and not line.startswith("  -")], [], command)
 
     def test_usage_errors_go_to_stderr_with_status_2(self):
         for arguments in ((), ("paln",), ("schema",), ("schema", "robot"), ("--no-such-option",), ("plan",),

@@ -7,6 +7,7 @@ import json
 import math
 import re
 import shutil
+import struct
 import sys
 import tempfile
 import unittest
@@ -77,6 +78,66 @@ def points_of(yaml):
     return names, [(json.loads(p), json.loads(v), int(s) + 1e-9 * int(n)) for p, v, s, n in found]
 
 
+def turn(q):
+    """A rotation from a quaternion x, y, z, w."""
+    x, y, z, w = q
+    return [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 0],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), 0],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), 0], [0, 0, 0, 1]]
+
+
+class Glb:
+    """A reader of binary glTF 2.0: https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html, as far as it is needed."""
+
+    def __init__(self, file):
+        data = file.read_bytes()
+        magic, version, length, size, kind = struct.unpack_from("<4sIII4s", data)
+        assert (magic, version, length, kind) == (b"glTF", 2, len(data), b"JSON"), data[:20]
+        self.json = json.loads(data[20:20 + size])
+        more, kind = struct.unpack_from("<I4s", data, 20 + size)
+        assert kind == b"BIN\0" and size % 4 == 0 and more % 4 == 0
+        self.bytes = data[28 + size:28 + size + more]
+        self.nodes = self.json["nodes"]
+        self.above = {child: i for i, node in enumerate(self.nodes) for child in node.get("children", [])}
+        self.number = {node["name"]: i for i, node in enumerate(self.nodes)}
+
+    def values(self, accessor):
+        of = self.json["accessors"][accessor]
+        view = self.json["bufferViews"][of["bufferView"]]
+        width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[of["type"]]
+        form = {5126: "f", 5125: "I"}[of["componentType"]]
+        start = view.get("byteOffset", 0) + of.get("byteOffset", 0)
+        assert start % 4 == 0 and start + 4 * width * of["count"] <= len(self.bytes)
+        flat = struct.unpack_from(f"<{width * of['count']}{form}", self.bytes, start)
+        return [flat[i:i + width] for i in range(0, len(flat), width)]
+
+    def run(self):
+        """Times, and for each node its (path, values) of the one animation."""
+        (animation,) = self.json["animations"]
+        times, moved = None, {}
+        for channel in animation["channels"]:
+            sampler = animation["samplers"][channel["sampler"]]
+            assert sampler.get("interpolation", "LINEAR") == "LINEAR"
+            times = [t for (t,) in self.values(sampler["input"])]
+            moved[channel["target"]["node"]] = (channel["target"]["path"], self.values(sampler["output"]))
+        return times, moved
+
+    def pose(self, node, moved, at):
+        of = dict(self.nodes[node])
+        if node in moved:
+            path, values = moved[node]
+            of[path] = values[at]
+        scale = of.get("scale", [1, 1, 1])
+        X = product(product(shift(of.get("translation", [0, 0, 0])), turn(of.get("rotation", [0, 0, 0, 1]))),
+                    [[scale[0], 0, 0, 0], [0, scale[1], 0, 0], [0, 0, scale[2], 0], [0, 0, 0, 1]])
+        return product(self.pose(self.above[node], moved, at), X) if node in self.above else X
+
+    def place(self, name, moved, at):
+        """In mm with z up, as the cell has it."""
+        x, y, z = (1000 * row[3] for row in self.pose(self.number[name], moved, at)[:3])
+        return x, -z, y
+
+
 class Exported(unittest.TestCase):
     """What holds of the export of any plan."""
 
@@ -118,6 +179,31 @@ class Exported(unittest.TestCase):
             content = (ros / mesh.get("filename")).read_bytes()
             self.assertEqual(len(content), 84 + 50 * int.from_bytes(content[80:84], "little"))
         return urdf, names, points
+
+
+    def check_scene(self, out, file):
+        """The animation passes every planned point of points.csv in its order; times rise."""
+        scene = Glb(file)
+        times, moved = scene.run()
+        self.assertEqual(times[0], 0)
+        self.assertTrue(all(a < b for a, b in zip(times, times[1:])))
+        at = 0
+        for row in rows(out / "points.csv"):
+            if row["status"] != "planned":
+                continue
+            wanted = [float(row[key]) for key in ("x_mm", "y_mm", "z_mm")]
+            while math.dist(scene.place("tool_tip", moved, at), wanted) > 0.01:
+                at += 1
+                self.assertLess(at, len(times), row)
+        for mesh in scene.json["meshes"]:
+            for primitive in mesh["primitives"]:
+                places = scene.values(primitive["attributes"]["POSITION"])
+                of = scene.json["accessors"][primitive["attributes"]["POSITION"]]
+                self.assertEqual([min(c) for c in zip(*places)], of["min"])
+                self.assertEqual([max(c) for c in zip(*places)], of["max"])
+                if "indices" in primitive:
+                    self.assertLess(max(i for (i,) in scene.values(primitive["indices"])), len(places))
+        return scene
 
 
 class Pad(Exported):
@@ -172,6 +258,33 @@ class Pad(Exported):
         (self.ros / "package.xml").unlink()
         self.assertEqual(self.export().returncode, 0)
         self.assertEqual(tree(self.ros), first)
+
+    def test_the_scene_moves_the_arm_through_every_point(self):
+        file = self.top / "pad.glb"
+        result = run("export", self.out, "--gltf", file)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertIn("animation    run", result.stdout)
+        scene = self.check_scene(self.out, file)
+        self.assertLessEqual({"workpiece", "path", "link_6", "tool_tip"}, set(scene.number))
+        # At home as the URDF has it.
+        self.assertEqual(self.export().returncode, 0)
+        urdf, (names, points) = Urdf(self.ros / "cell.urdf"), points_of((self.ros / "joint_trajectory.yaml").read_text())
+        times, moved = scene.run()
+        for link in (*(f"link_{i}" for i in range(1, 7)), "tool_tip", "workpiece_frame"):
+            home = urdf.place(link, dict(zip(names, points[0][0])))
+            for have, wanted in zip(scene.place(link, moved, 0), home):
+                self.assertAlmostEqual(have, 1000 * wanted, delta=0.01)
+        again = self.top / "again.glb"
+        self.assertEqual(run("export", self.out, "--gltf", again, "--ros", self.ros).returncode, 0)
+        self.assertEqual(again.read_bytes(), file.read_bytes())
+
+    def test_one_of_both_is_needed(self):
+        for arguments, words in (((), "--ros FOLDER or --gltf FILE: missing"),
+                                 (("--gltf", self.top / "x.glb", "--package", "a"), "--package: has no effect without --ros")):
+            result = run("export", self.out, *arguments)
+            self.assertEqual(result.returncode, 2, result.stdout)
+            self.assertIn(words, result.stderr)
+        self.assertFalse((self.top / "x.glb").exists())
 
     def test_a_plan_without_a_piece_writes_nothing(self):
         fast = self.top / "fast"  # no joint step is small enough at that feed
@@ -241,8 +354,9 @@ class Axes(Exported):
                 sets = [word for change in changes for word in ("--set", change)]
                 result = run("plan", TOP / "toolpaths" / name / "job.yaml", "-o", out, *sets)
                 self.assertIn(result.returncode, (0, 1), result.stderr)
-                result = run("export", out, "--ros", ros)
+                result = run("export", out, "--ros", ros, "--gltf", Path(folder, "run.glb"))
                 self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+                self.check_scene(out, Path(folder, "run.glb"))
                 urdf, names, points = self.check(out, ros)
                 axis = names[-1]
                 self.assertEqual(urdf.above[f"{axis}_carriage"].get("type"), kind)

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The real millpose's face: of a folder, with `plan --face`, as measured points. Usage: face_test.py MILLPOSE TOP"""
 import json
+import re
 import sys
 import tempfile
 import unittest
@@ -64,6 +65,26 @@ class Face(unittest.TestCase):
         self.assertIn("face of support_pad", self.told)
         self.assertEqual((self.out / "face.csv").read_text().splitlines()[0], "x_mm,y_mm,z_mm,error_um")
         self.assertIn("The face before it is milled", (self.out / "report.html").read_text())
+
+    def test_languages_say_the_same_with_the_same_figures(self):
+        def figures(text):
+            return sorted(re.findall(r"-?[\d.]*\d", text))
+        english = run("face", self.out, *FACE).stdout
+        self.assertEqual(run("face", self.out, *FACE, "--lang", "en").stdout, english)
+        for language, words in (("de", ("Ebenheit", "nur Umkehrspanne", "nicht darin: Getriebefehler, ")), ("zh", ("平面度", "仅空程", "未计入："))):
+            said = run("face", self.out, *FACE, "--lang", language).stdout
+            for word in words:
+                self.assertIn(word, said)
+            self.assertEqual(figures(said), figures(english))
+            self.assertEqual(re.findall(r"\b(?:the|of|at|is|not|alone|places|known)\b", said), [], language)
+            self.assertEqual(len(said.splitlines()), len(english.splitlines()))
+        refused = run("face", self.out, "--lang", "fr")
+        self.assertEqual((refused.returncode, refused.stdout), (2, ""))
+        self.assertIn("known: en, de, zh", refused.stderr)
+        # The report has the text in all of them.
+        page = (self.out / "report.html").read_text()
+        for word in ("nur Umkehrspanne", "仅空程"):
+            self.assertIn(word, page)
 
     def test_refusals(self):
         for arguments, words in ((("--spacing-mm", 0.01), "allowed: "), (("--rotation-deg", 400), "400")):

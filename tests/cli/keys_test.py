@@ -328,7 +328,6 @@ class Keys(InFolder):
             job, cell = self.base()
             self.strategy(job, "drill", drill)
             job["pose"]["objective"] = {"name": "drilling"}
-            job["process"]["plunge_feed_mm_min"] = 60
             job["toolpath"]["order"] = "laid"
             if "circles" in drill:
                 job["workpiece"].update(mesh="cabin_ring.stl", pose={"xyz_mm": [2000, 0, 1150], "abc_deg": [0, -90, 0]})

@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 
@@ -40,14 +41,31 @@ class Operations(InFolder):
         (self.folder / "job.yaml").write_text(text)
         return run("plan", self.folder / "job.yaml", "-o", out or self.out, "-q", *arguments)
 
+    kept = {}  # folders with a plan, by the job's text: planned for the first test that asks, copied for the others
+
+    def planned(self, text):
+        """Job, cell and results of `text` in this test's folder; how `plan` ended and how long one thread took."""
+        if text not in Operations.kept:
+            folder = tempfile.TemporaryDirectory()
+            self.addClassCleanup(folder.cleanup)
+            top = pathlib.Path(folder.name)
+            (top / "cell.yaml").write_text(CELL)
+            (top / "job.yaml").write_text(text)
+            begun = time.monotonic()
+            ended = run("plan", top / "job.yaml", "-o", top / "out", "-q", "--threads", "1")
+            Operations.kept[text] = top, ended, time.monotonic() - begun
+        top, ended, seconds = Operations.kept[text]
+        self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+        shutil.copytree(top, self.folder, dirs_exist_ok=True)
+        return ended, seconds
+
     def results(self, out=None):
         out = out or self.out
         return {str(path.relative_to(out)): path.read_bytes() for path in sorted(out.rglob("*"))
                 if path.is_file() and path.name != "run.json" and "checkpoints" not in path.parts}
 
     def test_the_way_from_the_job_to_the_main_programs(self):
-        planned = self.plan(small())
-        self.assertEqual(planned.returncode, 0, planned.stdout + planned.stderr)
+        planned, _ = self.planned(small())
         for controller in CONTROLLERS:
             self.assertIn(f"programs/{controller}: calls 3 programs, read back and confirmed", planned.stdout)
         self.assertIn("<title>trim_window – millpose</title>", (self.out / "operations" / FOLDERS[1] / "report.html").read_text())
@@ -115,7 +133,7 @@ class Operations(InFolder):
 
     @unittest.skipUnless(shutil.which("rs274"), "LinuxCNC's interpreter is not installed")
     def test_the_interpreter_runs_the_whole_main_program(self):
-        self.assertEqual(self.plan(small()).returncode, 0)
+        self.planned(small())
         (self.folder / "machine.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH={self.out / 'programs' / 'linuxcnc'}\n[EMC]\n")
 
         def interpreted(program, before=""):
@@ -178,7 +196,7 @@ class Operations(InFolder):
             self.assertEqual(told, {folder: [] for folder in told}, controller)
 
     def test_the_spindle_stands_where_the_tool_is_changed(self):
-        self.assertEqual(self.plan(small()).returncode, 0)
+        self.planned(small())
         for controller, on, off, change in (("krl", r"\$OUT\[1\]=TRUE", r"\$OUT\[1\]=FALSE", "put it in"),
                                             ("sinumerik", r"\bM3\b", r"\bM5\b", r"\bM6\b"), ("linuxcnc", r"\bM3\b", r"\bM5\b", r"\bM6\b")):
             folder = self.out / "programs" / controller
@@ -265,15 +283,13 @@ class Operations(InFolder):
             self.assertIn("operation drill_holes: share", shared.stdout)
         self.assertFalse((self.out / "summary.json").exists())
         self.assertEqual(self.plan(text).returncode, 0)
-        whole = self.folder / "whole"
-        self.assertEqual(self.plan(text, out=whole).returncode, 0)
-        self.assertEqual(self.results(), self.results(whole))
+        shared = self.out.rename(self.folder / "shared")
+        self.planned(text)
+        self.assertEqual(self.results(shared), self.results())
 
     def test_a_killed_run_goes_on_to_the_same_bytes(self):
         text = without(small(), "trim_window")
-        begun = time.monotonic()
-        self.assertEqual(self.plan(text, "--threads", "1").returncode, 0)
-        seconds = time.monotonic() - begun
+        _, seconds = self.planned(text)
         killed, whole = self.folder / "killed", self.results()
         for part in range(1, 21 if SLOW else 4):
             process = subprocess.Popen([sys.argv[1], "plan", self.folder / "job.yaml", "-o", killed, "-q", "--threads", "1"],
@@ -306,8 +322,7 @@ class Operations(InFolder):
         self.assertFalse((self.out / "programs").exists())
 
     def test_damage_to_a_whole_program_is_seen(self):
-        text = without(small(), "trim_window")
-        self.assertEqual(self.plan(text).returncode, 0)
+        self.planned(without(small(), "trim_window"))
         path = self.out / "programs" / "krl" / "cabin_window.src"
         before = path.read_text()
         calls = re.findall(r"(?m)^(\w+) \( \)$", before)
@@ -361,7 +376,7 @@ class Operations(InFolder):
         self.assertEqual(sorted(path.name for path in page.parent.iterdir()), pages)
         found = json.loads(run("check", self.folder / "job.yaml", "--json", "-q").stdout)["operations"]
         self.assertEqual([f"{i + 1:02}_{one['operation']}" for i, one in enumerate(found)], list(FOLDERS))
-        self.assertEqual(self.plan(small()).returncode, 0)
+        self.planned(small())
         for one, folder in zip(found, FOLDERS, strict=True):
             planned = json.loads((self.out / "operations" / folder / "summary.json").read_text())
             # A plan may put points between those that are laid (PlanFiner).
@@ -419,7 +434,7 @@ class Operations(InFolder):
             self.assertGreater(job["figures"]["cycle_s"], 0)
 
     def test_where_one_operation_is_wanted_the_answer_is_its_folder(self):
-        self.assertEqual(self.plan(without(small(), "trim_window")).returncode, 0)
+        self.planned(without(small(), "trim_window"))
         for command in (("inspect", self.out), ("inspect", self.out, "--point", "3")):
             told = run(*command)
             self.assertEqual(told.returncode, 2)

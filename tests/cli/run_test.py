@@ -1,21 +1,62 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run of `plan`: its files, its progress, what later runs take over from it. Usage: run_test.py MILLPOSE TOP"""
+"""A run of `plan`: its files, its progress, what later runs take over from it. Usage: run_test.py MILLPOSE TOP; with MILLPOSE_SLOW=1
+also with an audit."""
 import csv
+import fcntl
 import json
 import os
+import pty
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
+import termios
 import time
 import unittest
 
 from cli_fixture import FEW, JOB, MILLPOSE, TOP, InFolder, plan, run, schema_problems, tree
 
 
+# A wish that costs 10 s of CPU; its quick twins are the other wishes, and FindExistingPlan.HoldsForTheSameWishesAlone.
+AUDITED = [("--audit",)] if os.environ.get("MILLPOSE_SLOW") == "1" else []
+
+
+def on_a_terminal(columns, *arguments):
+    """What stdout gets where it is a terminal so wide, in lines."""
+    ours, terminal = pty.openpty()
+    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
+    with subprocess.Popen([MILLPOSE, *map(str, arguments)], stdout=terminal, stderr=subprocess.DEVNULL):
+        os.close(terminal)
+        text = b""
+        while True:
+            try:
+                piece = os.read(ours, 65536)
+            except OSError:  # the program has closed its end
+                break
+            if not piece:
+                break
+            text += piece
+    os.close(ours)
+    return text.decode().splitlines()
+
+
 class Run(InFolder):
+    def test_the_last_lines_are_broken_between_words(self):
+        out = self.folder / "out"
+        arguments = ["plan", JOB, "-o", out, *(word for change in FEW for word in ("--set", change))]
+        self.assertEqual(run(*arguments).returncode, 0)
+        piped = run(*arguments).stdout.splitlines()
+        self.assertGreater(max(map(len, piped)), 120)
+        for columns in (80, 120):
+            lines = on_a_terminal(columns, *arguments)
+            # A word alone may be wider: the report's path.
+            self.assertEqual([line for line in lines if len(line) >= columns and " " in line[11:]], [], columns)
+            whole = re.sub(r"\n {11}(?! )", " ", "\n".join(lines)).split("\n")
+            self.assertEqual(whole, piped, columns)
+
     def test_whole_way_then_inspect(self):
         result = plan(self.folder / "out")
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -108,9 +149,9 @@ class Run(InFolder):
         (out / "path.vtp").unlink()
         self.assertFalse(is_kept())
         self.assertFalse(is_kept("--fresh"))
-        for wish in (("--max-points", "3000"), ("--trajectory", "0.5"), ("--axis-map", "full"), ("--audit",)):
+        for wish in (("--max-points", "3000"), ("--trajectory", "0.5"), ("--axis-map", "full"), *AUDITED):
             self.assertFalse(is_kept(*wish), wish)
-        self.assertTrue(is_kept("--audit"))
+        self.assertTrue(is_kept(*wish))
         self.assertFalse(is_kept())
 
     def test_changed_parameter_redoes_only_what_depends_on_it(self):

@@ -3,14 +3,12 @@
 """The samples in full, each judged without mercy (slow). Usage: samples_test.py MILLPOSE MILLPOSE_AUDIT TOP"""
 import json
 import random
-import shutil
 import signal
 import subprocess
 import sys
 import time
 import unittest
 
-from pdf_pages import pages_of
 from plan_fixture import Bench, contents, differences, kill_after, started
 
 BENCH = None
@@ -30,23 +28,10 @@ class Samples(unittest.TestCase):
             status, verdict = BENCH.audit(plan, job, "--travel-mm", "0.2")
             allowed = {"max_slice_distance_mm"} if plan.name in off_the_part else set()
             self.assertEqual((status, set(verdict["broken"])), (1 if allowed else 0, allowed), plan.name)
-        self.check_summary(job, folder)
         reference = contents(folder)
         for threads in ("2", "4"):
             _, other = BENCH.plan(job, f"{name}{threads}", "--threads", threads, timeout=1800)
             self.assertEqual(differences(reference, contents(other)), [])
-
-    def check_summary(self, job, folder):
-        """Two pages A4, whatever the plan is, in every language."""
-        for language in ("en", "de", "zh"):
-            page, pdf = BENCH.top / "summary.html", BENCH.top / "summary.pdf"
-            arguments = ["report", folder, "--job", job, "--summary", "--lang", language, "--html", page]
-            printer = shutil.which("weasyprint")
-            result = subprocess.run([BENCH.millpose, *arguments, *(["--pdf", pdf] if printer else [])], capture_output=True, text=True)
-            self.assertEqual(result.returncode, 0, result.stderr)
-            self.assertEqual(page.read_text(encoding="utf-8").count('<section class="page">'), 2)
-            if printer:
-                self.assertEqual(pages_of(pdf.read_bytes()), 2)
 
     def test_support_pad(self):
         self.check("support_pad", 200)

@@ -26,7 +26,7 @@ def quick_trim():
 class Shop(InFolder):
     def plan(self, text, out="out"):
         (self.folder / "job.yaml").write_text(text)
-        return run("plan", self.folder / "job.yaml", "-o", self.folder / out, "-q", "-v")
+        return run("plan", self.folder / "job.yaml", "-o", self.folder / out, "-q", "-v", "--set", "path.rotation_step_deg=10")
 
     def points(self, out="out"):
         with (self.folder / out / "points.csv").open() as file:
@@ -51,12 +51,18 @@ class Shop(InFolder):
         self.assertEqual(first["points.csv"], second["points.csv"])
         self.assertEqual(first["programs/krl/cabin_holes.src"].split(b"units")[1], second["programs/krl/cabin_holes.src"].split(b"units")[1])
 
-    def test_the_plunge_feed_is_the_programs(self):
-        self.assertEqual(self.plan(sample("cabin_holes")).returncode, 0)
+    def test_the_feed_of_a_drill_is_the_one_into_the_material(self):
+        text = sample("cabin_holes")
+        self.assertIn("feed_mm_min: 120 ", text)
+        beside = self.plan(text.replace("feed_mm_min: 120 ", "plunge_feed_mm_min: 120\n  feed_mm_min: 300 "))
+        self.assertEqual(beside.returncode, 2, beside.stdout)
+        self.assertRegex(beside.stderr, r"job\.yaml:\d+:3: process\.feed_mm_min: has no effect here: holes are drilled at plunge_feed_mm_min, 120; given 300; allowed: the same, or feed_mm_min alone")
+        self.assertEqual(self.plan(text.replace("feed_mm_min: 120 ", "plunge_feed_mm_min: 120\n  feed_mm_min: 120 "), "both").returncode, 0)
+        self.assertEqual(self.plan(text).returncode, 0)
+        self.assertEqual(*((self.folder / out / "points.csv").read_bytes() for out in ("both", "out")))
         text = (self.folder / "out" / "programs" / "sinumerik" / "cabin_holes.mpf").read_text()
         feeds = {float(feed) for feed in re.findall(r"\bF=?(\d+(?:\.\d+)?)", text)}
         self.assertLessEqual({120.0, 2000.0}, feeds)
-        self.assertNotIn(300.0, feeds, "the cutting feed is no drill's where a plunge feed is given")
 
     def test_the_tool_stands_at_the_bottom(self):
         one_hole = re.sub(r"(      - \{at_mm: .*\n){7}", "", sample("cabin_holes"), count=1)

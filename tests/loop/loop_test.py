@@ -18,12 +18,13 @@ from plan_fixture import Bench, contents, differences  # noqa: E402
 
 SLOW = os.environ.get("MILLPOSE_SLOW") == "1"
 DRAWS = 1000 if SLOW else 200
-TRAVEL = [] if SLOW else ["--travel-mm", "2"]
+TRAVEL = [] if SLOW else ["--travel-mm", "5"]
 BENCH = Bench(MILLPOSE, AUDIT, TOP)
 CHEN = (r"objective: \{name: surface_error\}.*", "objective: {name: chen2021, w1: 0.5, w2: 0.5}")
 HEAVY = (r"cutting: \{[^}]*\}", "cutting: {kc11_N_mm2: 1650, mc: 0.25, teeth: 4, depth_mm: 8}")  # 800 N
-SMALL = {"support_pad": [(r"stepover_mm: [\d.]+", "stepover_mm: 16")],
-         "cabin_panel": [(r"stepover_mm: [\d.]+", "stepover_mm: 200")],
+COARSE = (r"rotation_step_deg: 1\n", "rotation_step_deg: 5\n")
+SMALL = {"support_pad": [COARSE, (r"stepover_mm: [\d.]+", "stepover_mm: 16")],
+         "cabin_panel": [COARSE, (r"stepover_mm: [\d.]+", "stepover_mm: 200")],
          "cabin_ring": [(r"stepover_mm: [\d.]+", "stepover_mm: 200"), (r"spacing_mm: [\d.]+", "spacing_mm: 30")]}
 
 
@@ -161,7 +162,7 @@ class OwnArm(unittest.TestCase):
 
     def test_goes_where_the_plan_has_the_tool(self):
         job = self.job("own", "{deviations: true}")
-        folder, summary, result = self.planned(job, "own", "--audit")
+        folder, summary, result = self.planned(job, "own", *(["--audit"] if SLOW else []))
         self.assertIn("deviations are taken out", result.stdout)
         self.assertGreater(summary["compensation"]["largest_deviation_mm"], 0.3)
         self.assertGreater(summary["compensation"]["largest_deviation_deg"], 0.02)
@@ -252,12 +253,12 @@ class Behaviour(unittest.TestCase):
     def test_same_bytes_for_any_number_of_threads(self):
         job = self.changed("threads", "{deflection: full}")
         folders = []
-        for threads in (1, 2, 4):
+        for threads in (1, 2, 4) if SLOW else (1, 4):
             result, folder = BENCH.plan(job, f"threads{threads}", "--threads", threads)
             self.assertEqual(result.returncode, 0, result.stderr)
             folders.append(contents(folder))
-        self.assertEqual(differences(folders[0], folders[1]), [])
-        self.assertEqual(differences(folders[0], folders[2]), [])
+        for folder in folders[1:]:
+            self.assertEqual(differences(folders[0], folder), [])
 
     def test_programs_say_it_first(self):
         job = self.changed("notice", "{deflection: normal}")

@@ -140,8 +140,16 @@ class Chromium:
         self.settle()
 
     def click(self, x, y):
+        """Returns when the page has had the click and drawn what came of it, however late its events come under load."""
+        here = self.evaluate(f"""(() => {{ const e = document.elementFromPoint({x}, {y});
+            window.hadClick = e && e.tagName === 'IFRAME';  // a frame within has its own events
+            window.addEventListener('pointerup', () => {{ window.hadClick = true; }}, {{capture: true, once: true}});
+            return Boolean(e); }})()""")
+        if not here:
+            raise RuntimeError(f"a click at {x}, {y} is outside of the window")
         for kind in ("mouseMoved", "mousePressed", "mouseReleased"):
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+        self.wait("window.hadClick !== false")  # undefined: the click led to another page
         self.settle()
 
     def click_on(self, selector):
@@ -149,6 +157,7 @@ class Chromium:
         x, y = self.evaluate(f"""(() => {{ const e = document.querySelector({json.dumps(selector)});
             e.scrollIntoView({{block: "center"}}); const b = e.getBoundingClientRect();
             return [b.x + b.width / 2, b.y + b.height / 2]; }})()""")
+        self.frames()  # input goes to what is where it was last drawn
         self.click(x, y)
 
     def screenshot(self, selector=None):

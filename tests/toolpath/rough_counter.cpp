@@ -106,20 +106,26 @@ double RoughCounter::Meets(const Vector3d& tip, const Vector2d& along) const {
 }
 
 void RoughCounter::Take(const Vector3d& tip, double wider) {
+  const double rim = cut_.radius + wider, flat = rim - cut_.corner;
   const Vector2d at = (tip.head<2>() - origin_) / cell_;
-  const int reach = static_cast<int>((cut_.radius + wider) / cell_) + 1;
-  const int row = static_cast<int>(at.y()), column = static_cast<int>(at.x());
-  for (int i = std::max(0, row - reach); i <= std::min(rows_ - 1, row + reach); ++i)
-    for (int j = std::max(0, column - reach); j <= std::min(columns_ - 1, column + reach); ++j) {
-      const double away = (Centre(i, j) - tip.head<2>()).norm() - wider;
-      if (away > cut_.radius) continue;
-      const double out = std::max(0.0, away - (cut_.radius - cut_.corner));
-      const double low =
-          tip.z() + cut_.corner - std::sqrt(std::max(0.0, cut_.corner * cut_.corner - out * out));
-      double& height = heights_[static_cast<size_t>(i * columns_ + j)];
-      if (height <= low) continue;
-      height = low;
+  const int reach = static_cast<int>(rim / cell_) + 1, row = static_cast<int>(at.y());
+  for (int i = std::max(0, row - reach); i <= std::min(rows_ - 1, row + reach); ++i) {
+    const double along_y = (i + 0.5) * cell_ + origin_.y() - tip.y();
+    if (std::abs(along_y) > rim) continue;
+    const double half = std::sqrt(rim * rim - along_y * along_y) / cell_;
+    const int first = std::max(0, static_cast<int>(std::ceil(at.x() - half - 0.5)));
+    const int last = std::min(columns_ - 1, static_cast<int>(std::floor(at.x() + half - 0.5)));
+    double* heights = &heights_[static_cast<size_t>(i * columns_)];
+    for (int j = first; j <= last; ++j) {
+      if (heights[j] <= tip.z()) continue;  // as nearly everywhere, where it has been a moment before
+      double low = tip.z();
+      if (cut_.corner > 0) {
+        const double out = std::max(0.0, (Centre(i, j) - tip.head<2>()).norm() - flat);
+        low += cut_.corner - std::sqrt(std::max(0.0, cut_.corner * cut_.corner - out * out));
+      }
+      heights[j] = std::min(heights[j], low);
     }
+  }
 }
 
 double RoughCounter::Removed() const {

@@ -140,6 +140,12 @@ RoughCounter Counted(const RoughCase& given, const Toolpath& toolpath) {
   return counter;
 }
 
+/// The pocket's path by its own options, laid once for all tests.
+const LaidPath& PocketLaid() {
+  static const LaidPath laid = RoughLaid(Pocket(), Roughing(Pocket()));
+  return laid;
+}
+
 size_t RoughPointCount(const Toolpath& toolpath) {
   size_t count = 0;
   for (const Pass& pass : toolpath.passes) count += pass.points.size();
@@ -151,7 +157,7 @@ size_t RoughPointCount(const Toolpath& toolpath) {
 TEST(Rough, TakesOffAllThatItReachesWithinItsEngagement) {
   for (const RoughCase& given : RoughCases()) {
     SCOPED_TRACE(given.name);
-    const LaidPath laid = RoughLaid(given, Roughing(given));
+    const LaidPath laid = given.name == "pocket" ? PocketLaid() : RoughLaid(given, Roughing(given));
     EXPECT_TRUE(laid.findings.empty()) << laid.findings.front();
     const RoughCounter counter = Counted(given, laid.toolpath);
     const double reachable = counter.Reachable();
@@ -210,7 +216,7 @@ TEST(Rough, MillsAlongItsAxis) {
 TEST(Rough, IsTheSameForAnyNumberOfThreads) {
   const RoughCase given = Pocket();
   const Toolpath one = RoughLaid(given, Roughing(given), 1).toolpath;
-  const Toolpath many = RoughLaid(given, Roughing(given), 3).toolpath;
+  const Toolpath& many = PocketLaid().toolpath;  // by two
   ASSERT_EQ(one.passes.size(), many.passes.size());
   for (size_t i = 0; i < one.passes.size(); ++i) {
     ASSERT_EQ(one.passes[i].points.size(), many.passes[i].points.size());
@@ -256,7 +262,7 @@ TEST(Rough, TakesOffWhatALargerCutterHasLeft) {
   const RoughCase large = Pocket();
   RoughCase small = large;
   small.cutter.radius = 3;
-  const RoughCounter before = Counted(large, RoughLaid(large, Roughing(large)).toolpath);
+  const RoughCounter before = Counted(large, PocketLaid().toolpath);
   ToolpathOptions options = Roughing(small);
   const double whole = RoughLength(RoughLaid(small, options).toolpath);
   Rough rough = dynamic_cast<const Rough&>(*options.strategy);

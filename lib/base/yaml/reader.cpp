@@ -5,6 +5,7 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
+#include <optional>
 #include <sstream>
 #include <unordered_map>
 
@@ -93,6 +94,12 @@ class TreeBuilder : public YAML::EventHandler {
 
   Value& root() { return root_; }
   int documents() const { return documents_; }
+  /// The innermost list or map in brackets that has no end yet: where it begins, and how it would end.
+  std::optional<std::pair<Mark, char>> OpenBracket() const {
+    for (size_t i = open_.size(); i-- > 0;)
+      if (in_brackets_[i]) return std::pair(open_[i]->mark, open_[i]->kind == Value::Kind::kMap ? '}' : ']');
+    return std::nullopt;
+  }
   const std::vector<std::pair<Mark, std::string>>& duplicates() const { return duplicates_; }
 
   void OnDocumentStart(const YAML::Mark& mark) override {
@@ -119,13 +126,15 @@ class TreeBuilder : public YAML::EventHandler {
     Add(std::move(value), false);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                       YAML::EmitterStyle::value /*style*/) override {
+                       YAML::EmitterStyle::value style) override {
     Open(Value::List(), mark, tag, anchor);
+    in_brackets_.back() = style == YAML::EmitterStyle::Flow;
   }
   void OnSequenceEnd() override { Close(); }
   void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                  YAML::EmitterStyle::value /*style*/) override {
+                  YAML::EmitterStyle::value style) override {
     Open(Value::Map(), mark, tag, anchor);
+    in_brackets_.back() = style == YAML::EmitterStyle::Flow;
   }
   void OnMapEnd() override { Close(); }
 
@@ -147,10 +156,12 @@ class TreeBuilder : public YAML::EventHandler {
       source_.Fail(value.mark, fmt::format("nested deeper than {} levels", kMaxDepth));
     open_.push_back(&Add(std::move(value), true));
     key_lines_.emplace_back();
+    in_brackets_.push_back(false);
   }
   void Close() {
     open_.pop_back();
     key_lines_.pop_back();
+    in_brackets_.pop_back();
   }
 
   // Adds a node to what is open: in a map, keys and values come in turn. References into the innermost open
@@ -188,10 +199,29 @@ class TreeBuilder : public YAML::EventHandler {
   Value root_;
   std::vector<Value*> open_;
   std::vector<std::unordered_map<std::string, int>> key_lines_;  ///< of what is open, if a map
+  std::vector<bool> in_brackets_;                                ///< of what is open
   std::vector<std::pair<Mark, std::string>> duplicates_;
   int documents_ = 0;
   size_t values_ = 0;
 };
+
+// In words of our own where yaml-cpp has only "end of sequence flow not found", which nobody can act upon.
+[[noreturn]] void FailUnreadable(const Source& source, const TreeBuilder& builder,
+                                 const YAML::Exception& error) {
+  const Mark found = source.At(error.mark);
+  const bool unclosed =
+      error.msg == YAML::ErrorMsg::END_OF_SEQ_FLOW || error.msg == YAML::ErrorMsg::END_OF_MAP_FLOW;
+  const auto open = builder.OpenBracket();
+  if (unclosed && open)
+    source.Fail(
+        open->first,
+        fmt::format("not YAML: {} is opened here and not closed; {} or a comma is missing before line "
+                    "{}, column {}",
+                    open->second == ']' ? '[' : '{', open->second, found.line, found.column));
+  if (error.msg == YAML::ErrorMsg::FLOW_END)
+    source.Fail(found, "not YAML: this bracket is not the end of the one that is open here");
+  source.Fail(found, "not YAML: " + error.msg);
+}
 
 }  // namespace
 
@@ -205,7 +235,7 @@ Value ReadYaml(std::string_view text, const std::string& name) {
     while (parser.HandleNextDocument(builder)) {
     }
   } catch (const YAML::Exception& error) {
-    source.Fail(source.At(error.mark), "not YAML: " + error.msg);
+    FailUnreadable(source, builder, error);
   }
   std::vector<Problem> problems;
   for (const auto& [mark, message] : builder.duplicates())

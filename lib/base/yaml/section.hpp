@@ -3,6 +3,8 @@
 // list of Fields. From it come strict reading, writing, the JSON Schema and the reference page.
 #pragma once
 
+#include <memory>
+
 #include "base/pose_settings.hpp"
 #include "base/yaml/codec.hpp"
 
@@ -52,11 +54,11 @@ template <class S, class T>
 Field<S> KeyAt(std::string key, T& (*place)(S&), Codec<T> codec, std::string doc) {
   const auto of = [place](const S& settings) -> const T& { return place(const_cast<S&>(settings)); };
   Field<S> field;
-  field.info = {std::move(key), codec.type, "", std::move(doc), false, codec.keys};
-  field.schema = codec.schema;
+  field.info = {std::move(key), std::move(codec.type), "", std::move(doc), false, std::move(codec.keys)};
+  field.schema = std::move(codec.schema);
   field.schema.Put("description", Value::Text(field.info.doc));
   field.default_value = codec.write(of(S{}));
-  if (codec.keys.empty() && field.default_value.kind != Value::Kind::kNull)
+  if (field.info.keys.empty() && field.default_value.kind != Value::Kind::kNull)
     field.info.default_text = WriteYamlLine(field.default_value);
   field.read = [place, read = codec.read](const Value& value, const Context& context, S& settings) {
     read(value, context, place(settings));
@@ -115,24 +117,28 @@ Codec<S> Section(std::vector<Field<S>> fields,
   Codec<S> codec;
   codec.type = "map";
   std::vector<Value> schemas, defaults;
-  for (const Field<S>& field : fields) {
+  for (Field<S>& field : fields) {
+    defaults.push_back(field.info.keys.empty() ? std::move(field.default_value) : Value());
+    schemas.push_back(std::move(field.schema));
     codec.keys.push_back(field.info);
-    schemas.push_back(field.schema);
-    defaults.push_back(field.info.keys.empty() ? field.default_value : Value());
+    field.info.keys.clear();
   }
-  codec.schema = codec_detail::SectionSchema(codec.keys, schemas, defaults);
-  codec.read = [fields, check, keys = codec.keys](const Value& value, const Context& context, S& settings) {
+  codec.schema = codec_detail::SectionSchema(codec.keys, std::move(schemas), defaults);
+  // Shared: sections lie in sections, and each would copy all that is below it.
+  const auto kept = std::make_shared<const std::vector<Field<S>>>(std::move(fields));
+  const auto keys = std::make_shared<const std::vector<FieldInfo>>(codec.keys);
+  codec.read = [kept, keys, check](const Value& value, const Context& context, S& settings) {
     const size_t problems_before = context.problems.size();
     if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
-    codec_detail::CheckKeys(value, context, keys);
-    for (const Field<S>& field : fields)
+    codec_detail::CheckKeys(value, context, *keys);
+    for (const Field<S>& field : *kept)
       if (const Value* item = value.Find(field.info.key))
         field.read(*item, context.Child(field.info.key), settings);
     if (check && context.problems.size() == problems_before) check(value, context, settings);
   };
-  codec.write = [fields](const S& settings) {
+  codec.write = [kept](const S& settings) {
     Value map = Value::Map();
-    for (const Field<S>& field : fields) {
+    for (const Field<S>& field : *kept) {
       Value item = field.write(settings);
       if (item.kind != Value::Kind::kNull) map.Put(field.info.key, std::move(item));
     }
@@ -166,22 +172,23 @@ Codec<S> OneOf(Kind S::*kind, std::vector<Alternative<S, Kind>> choices) {
   codec.schema.Put("minProperties", Value::Plain("1"));
   codec.schema.Put("maxProperties", Value::Plain("1"));
   codec.schema.Put("additionalProperties", Value::Plain("false"));
-  codec.read = [kind, choices, allowed, keys = codec.keys](const Value& value, const Context& context,
-                                                           S& result) {
+  const auto kept = std::make_shared<const std::vector<Alternative<S, Kind>>>(std::move(choices));
+  const auto keys = std::make_shared<const std::vector<FieldInfo>>(codec.keys);
+  codec.read = [kind, kept, allowed, keys](const Value& value, const Context& context, S& result) {
     if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "one of the keys " + allowed);
-    codec_detail::CheckKeys(value, context, keys);
+    codec_detail::CheckKeys(value, context, *keys);
     if (value.items.size() != 1)
       return context.Add(value.mark,
                          fmt::format("given {} keys; allowed: one of {}", value.items.size(), allowed));
-    for (const auto& [name, chosen, choice] : choices)
+    for (const auto& [name, chosen, choice] : *kept)
       if (value.keys[0].text == name) {
         result.*kind = chosen;
         choice.read(value.items[0], context.Child(name), result);
       }
   };
-  codec.write = [kind, choices](const S& settings) {
+  codec.write = [kind, kept](const S& settings) {
     Value map = Value::Map();
-    for (const auto& [name, value, choice] : choices)
+    for (const auto& [name, value, choice] : *kept)
       if (settings.*kind == value) map.Put(name, choice.write(settings));
     return map.items.empty() ? Value() : map;
   };

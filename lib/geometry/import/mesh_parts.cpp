@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 
+#include "base/decompositions.hpp"
 #include "geometry/mesh/corner_normals.hpp"
 
 namespace millpose {
@@ -91,10 +92,10 @@ double RadiusOf(const std::vector<Eigen::Vector2d>& points) {
 double CylinderRadius(const Mesh& mesh, const NormalSpread& spread) {
   constexpr double kAcross = 1e-4;  // of the normals' squares: half a degree off
   constexpr double kCurved = 1e-3;  // likewise: less than a few degrees of a circle says nothing
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(Eigen::Matrix3d(spread.sum / spread.area));
-  const Eigen::Vector3d values = solver.eigenvalues();  // ascending
+  const EigenPairs3 eigen = EigenOfSymmetric3(spread.sum / spread.area);
+  const Eigen::Vector3d values = eigen.values;  // ascending
   if (values[0] > kAcross || values[1] < kCurved) return 0;
-  const Eigen::Vector3d u = solver.eigenvectors().col(1), v = solver.eigenvectors().col(2);
+  const Eigen::Vector3d u = eigen.vectors.col(1), v = eigen.vectors.col(2);
   std::vector<Eigen::Vector2d> points;
   for (const int vertex : spread.vertices) {
     const Eigen::Vector3d& p = mesh.triangles().vertices[static_cast<size_t>(vertex)];

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/decompositions.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
 
@@ -26,7 +27,7 @@ std::optional<CircleFit> FitCircle(const std::vector<Eigen::Vector3d>& points, c
   }
   const double scale = A.topLeftCorner<2, 2>().trace();
   if (!(A.topLeftCorner<2, 2>().determinant() > 1e-9 * scale * scale)) return std::nullopt;
-  const Eigen::Vector3d found = A.ldlt().solve(b);
+  const Eigen::Vector3d found = SolveSymmetric3(A, b);
   const double square = found.z() + found.head<2>().squaredNorm();
   if (!(square > 0)) return std::nullopt;
   CircleFit fit;

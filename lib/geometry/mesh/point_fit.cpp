@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/mesh/point_fit.hpp"
 
-#include <Eigen/SVD>
+#include "base/decompositions.hpp"
 
 namespace millpose {
 namespace {
@@ -24,13 +24,13 @@ std::optional<PointFit> FitPoints(const std::vector<Eigen::Vector3d>& from,
     spread += a * a.transpose();
     covariance += (to[i] - centre_to) * a.transpose();
   }
-  const Eigen::Vector3d widths = Eigen::JacobiSVD<Eigen::Matrix3d>(spread).singularValues();
+  const Eigen::Vector3d widths = SingularOf3(spread).values;
   if (!(widths[1] > 1e-8 * widths[0])) return std::nullopt;  // on a line to 1e-4 of its length
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const SingularTriples3 svd = SingularOf3(covariance);
   Eigen::Matrix3d sign = Eigen::Matrix3d::Identity();
-  sign(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  sign(2, 2) = (svd.U * svd.V.transpose()).determinant() < 0 ? -1 : 1;
   PointFit fit;
-  fit.X.linear() = svd.matrixU() * sign * svd.matrixV().transpose();
+  fit.X.linear() = svd.U * sign * svd.V.transpose();
   fit.X.translation() = centre_to - fit.X.linear() * centre_from;
   double squares = 0;
   for (size_t i = 0; i < from.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "base/decompositions.hpp"
 #include "base/units.hpp"
 #include "geometry/mesh/circle_fit.hpp"
 #include "geometry/mesh/corner_normals.hpp"
@@ -20,7 +21,7 @@ using Faces = std::vector<int>;
 
 // The direction in which a set of vectors extends least.
 Eigen::Vector3d LeastDirection(const Eigen::Matrix3d& scatter) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0).normalized();
+  return EigenOfSymmetric3(scatter).vectors.col(0).normalized();
 }
 
 // Signs of eigenvectors mean nothing: the largest coordinate is made positive.

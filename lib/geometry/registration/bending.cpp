@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/registration/bending.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <map>
+
+#include "base/decompositions.hpp"
 
 namespace millpose {
 namespace {
@@ -206,10 +207,10 @@ Vector3d RoundedAxis(const Vector3d& p) {
 PartBending PlateFrame(const Mesh& mesh) {
   const Triangles& part = mesh.triangles();
   const auto [centre, moments] = Moments(part);
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(moments);  // ascending
-  const Vector3d w = Signed(solver.eigenvectors().col(0));
-  Vector3d u = solver.eigenvectors().col(2);
-  if (solver.eigenvalues()[1] > kAlike * solver.eigenvalues()[2]) {
+  const EigenPairs3 axes = EigenOfSymmetric3(moments);
+  const Vector3d w = Signed(axes.vectors.col(0));
+  Vector3d u = axes.vectors.col(2);
+  if (axes.values[1] > kAlike * axes.values[2]) {
     constexpr double kSame = 1e-6;
     int best = 0;
     while (std::abs(w[best]) > w.cwiseAbs().minCoeff() + kSame) ++best;

@@ -12,8 +12,8 @@ namespace millpose {
 
 /// Unknowns of a part's place: shift, turn, and at most six modes of bending.
 inline constexpr int kMostModes = 6, kLeastModes = 3, kMostUnknowns = 6 + kMostModes;
-using ProbeVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostUnknowns, 1>;
-using ProbeMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostUnknowns, kMostUnknowns>;
+using ProbeVector = Eigen::VectorXd;
+using ProbeMatrix = Eigen::MatrixXd;
 
 /// Slopes up to this are small ones, mm/mm.
 inline constexpr double kSteepestBending = 0.1;

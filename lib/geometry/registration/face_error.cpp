@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/registration/face_error.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <set>
 
+#include "base/decompositions.hpp"
 #include "base/random.hpp"
 #include "base/student.hpp"
 
@@ -16,10 +16,10 @@ using Eigen::Vector3d;
 
 /// A root of a covariance, for draws.
 ProbeMatrix RootOf(const ProbeMatrix& covariance) {
-  const Eigen::SelfAdjointEigenSolver<ProbeMatrix> solver(covariance);
-  ProbeMatrix root = solver.eigenvectors();
+  const EigenPairs eigen = EigenOfSymmetric(covariance);
+  ProbeMatrix root = eigen.vectors;
   for (Eigen::Index k = 0; k < covariance.rows(); ++k)
-    root.col(k) *= std::sqrt(std::max(0.0, solver.eigenvalues()[k]));
+    root.col(k) *= std::sqrt(std::max(0.0, eigen.values[k]));
   return root;
 }
 

@@ -3,11 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "base/decompositions.hpp"
 #include "base/parallel.hpp"
 #include "base/rotation.hpp"
 
@@ -168,12 +167,12 @@ class Fit {
 
   /// The step; nothing in directions that no point tells.
   ProbeVector Solved() const {
-    const Eigen::SelfAdjointEigenSolver<ProbeMatrix> solver(normal_matrix_);
+    const EigenPairs eigen = EigenOfSymmetric(normal_matrix_);
     const double least = LeastEigenvalue();
     ProbeVector move = ProbeVector::Zero(unknowns_);
     for (int k = 0; k < unknowns_; ++k) {
-      const ProbeVector v = solver.eigenvectors().col(k);
-      if (solver.eigenvalues()[k] > least) move += v.dot(right_) / solver.eigenvalues()[k] * v;
+      const ProbeVector v = eigen.vectors.col(k);
+      if (eigen.values[k] > least) move += v.dot(right_) / eigen.values[k] * v;
     }
     return move;
   }
@@ -227,12 +226,11 @@ class Fit {
 
   /// Inverse on the directions that points tell.
   ProbeMatrix Inverse(const ProbeMatrix& matrix) const {
-    const Eigen::SelfAdjointEigenSolver<ProbeMatrix> solver(matrix);
+    const EigenPairs eigen = EigenOfSymmetric(matrix);
     ProbeMatrix inverse = ProbeMatrix::Zero(unknowns_, unknowns_);
     for (int k = 0; k < unknowns_; ++k)
-      if (solver.eigenvalues()[k] > LeastEigenvalue())
-        inverse +=
-            solver.eigenvectors().col(k) * solver.eigenvectors().col(k).transpose() / solver.eigenvalues()[k];
+      if (eigen.values[k] > LeastEigenvalue())
+        inverse += eigen.vectors.col(k) * eigen.vectors.col(k).transpose() / eigen.values[k];
     return inverse;
   }
 
@@ -279,7 +277,7 @@ class Fit {
       for (int k = 0; k < out; ++k)
         left_out[k] = found_.bending->modes[static_cast<size_t>(kept - 6 + k)] + step[kept + k];
       const ProbeMatrix of = inverse.bottomRightCorner(out, out);
-      squares_.push_back(out == 0 ? least : least + left_out.dot(of.ldlt().solve(left_out)));
+      squares_.push_back(out == 0 ? least : least + left_out.dot(SolveSymmetric(of, left_out)));
     }
   }
 
@@ -299,15 +297,15 @@ class Fit {
 
   /// Names what is not known: shifts first, then turns with the shifts that go with them.
   void Undetermined(const ProbeMatrix& all) {
-    const Eigen::SelfAdjointEigenSolver<ProbeMatrix> solver(all);
+    const EigenPairs eigen = EigenOfSymmetric(all);
     Eigen::Index count = 0;  // eigenvalues ascend
-    while (count < unknowns_ && solver.eigenvalues()[count] <= LeastEigenvalue()) ++count;
+    while (count < unknowns_ && eigen.values[count] <= LeastEigenvalue()) ++count;
     if (count == 0) return;
-    const Eigen::MatrixXd open = solver.eigenvectors().leftCols(count);
+    const Eigen::MatrixXd open = eigen.vectors.leftCols(count);
     const Eigen::MatrixXd turns = open.middleRows(3, 3);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> by_turn(turns.transpose() * turns);
+    const EigenPairs by_turn = EigenOfSymmetric(turns.transpose() * turns);
     for (Eigen::Index k = 0; k < count; ++k)
-      found_.undetermined.push_back(NameOf(open * by_turn.eigenvectors().col(k)));
+      found_.undetermined.push_back(NameOf(open * by_turn.vectors.col(k)));
   }
 
   static std::string NameOf(const ProbeVector& way) {

@@ -39,6 +39,13 @@ void CheckFeeds(const Value& value, const Context& context, const JobSettings& j
     useless("approach_feed_mm_min", fmt::format("the last {} mm of the approach run at the plunge feed, and "
                                                 "gaps.retract_mm makes it {} mm long",
                                                 job.approach_slow, job.gaps.leave.height));
+  // A drill goes into the material at the plunge feed and out of it at the retract feed.
+  if (job.toolpath.strategy->CutsAtPlungeFeed() && job.plunge_feed && *job.plunge_feed != job.feed)
+    useless(
+        "feed_mm_min",
+        fmt::format("holes are drilled at plunge_feed_mm_min, {:.6g}; given {:.6g}; allowed: the same, or "
+                    "feed_mm_min alone",
+                    60 * *job.plunge_feed, 60 * job.feed));
 }
 
 // Where a force is known it decides, unless the job says what does; the paper's formulation knows eq. 23

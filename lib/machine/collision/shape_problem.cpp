@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/decompositions.hpp"
 #include "machine/collision/fcl_part.hpp"
 
 namespace millpose {
@@ -19,7 +20,7 @@ bool SpansVolume(const std::vector<Eigen::Vector3d>& points) {
   for (const auto& p : points) mean += p / static_cast<double>(points.size());
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const auto& p : points) scatter += (p - mean) * (p - mean).transpose();
-  const Eigen::Vector3d extent = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvalues();
+  const Eigen::Vector3d extent = EigenOfSymmetric3(scatter).values;
   return extent[0] > 1e-12 * extent[2];
 }
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "machine/identification/flatness.hpp"
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <set>
 
+#include "base/decompositions.hpp"
 #include "machine/identification/minimum_zone.hpp"
 
 namespace millpose {
@@ -76,11 +75,9 @@ std::optional<Flatness> FitPlane(const std::vector<Eigen::Vector3d>& points) {
   for (size_t i = 0; i < points.size(); ++i)
     centred.row(static_cast<Eigen::Index>(i)) = points[i] - result.centre;
   // Not the covariance's eigenvectors: squaring would lose deviations below 1e-8 of the face's size.
-  const Eigen::Matrix3d R =
-      Eigen::HouseholderQR<Eigen::MatrixXd>(centred).matrixQR().topRows<3>().triangularView<Eigen::Upper>();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullV);
-  if (svd.singularValues()[1] <= 1e-12 * svd.singularValues()[0]) return std::nullopt;
-  result.normal = svd.matrixV().col(2);
+  const SingularTriples3 svd = SingularOf3(TriangleOf(centred));
+  if (svd.values[1] <= 1e-12 * svd.values[0]) return std::nullopt;
+  result.normal = svd.V.col(2);
   int largest = 0;
   result.normal.cwiseAbs().maxCoeff(&largest);
   if (result.normal[largest] < 0) result.normal = -result.normal;

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "machine/identification/geometry_fit.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 
+#include "base/decompositions.hpp"
 #include "base/error.hpp"
 #include "machine/motion/rotation_vector.hpp"
 
@@ -42,11 +40,11 @@ Pose Aligned(const std::vector<Vector3d>& from, const std::vector<Vector3d>& to)
   b /= static_cast<double>(from.size());
   Matrix3d H = Matrix3d::Zero();
   for (size_t i = 0; i < from.size(); ++i) H += (from[i] - a) * (to[i] - b).transpose();
-  const Eigen::JacobiSVD<Matrix3d> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const SingularTriples3 svd = SingularOf3(H);
   Matrix3d flip = Matrix3d::Identity();
-  flip(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0 ? -1 : 1;
+  flip(2, 2) = (svd.V * svd.U.transpose()).determinant() < 0 ? -1 : 1;
   Pose X = Pose::Identity();
-  X.linear() = svd.matrixV() * flip * svd.matrixU().transpose();
+  X.linear() = svd.V * flip * svd.U.transpose();
   X.translation() = b - X.linear() * a;
   return X;
 }
@@ -156,7 +154,7 @@ class GeometryFitter {
       // Where the tool hardly turns nothing tells a reflector from the base: then it is at the flange.
       MatrixXd N = A.transpose() * A;
       N.diagonal().tail(3 * count).array() += Square(1 / kReflectorPrior);
-      const VectorXd x = N.ldlt().solve(VectorXd(A.transpose() * b));
+      const VectorXd x = SolveSymmetric(N, A.transpose() * b);
       for (Eigen::Index set = 0; set < sets; ++set)
         fit_.bases_[static_cast<size_t>(set)].translation() = x.segment<3>(3 * set);
       for (Eigen::Index k = 0; k < count; ++k)
@@ -263,7 +261,7 @@ class GeometryFitter {
       const VectorXd scale = N.diagonal().cwiseSqrt().cwiseInverse();
       MatrixXd M = scale.asDiagonal() * N * scale.asDiagonal();
       M.diagonal().array() += damping;
-      const VectorXd x = -scale.cwiseProduct(VectorXd(M.ldlt().solve(VectorXd(scale.cwiseProduct(g)))));
+      const VectorXd x = -scale.cwiseProduct(SolveSymmetric(M, scale.cwiseProduct(g)));
       const GeometryFit before = fit_;
       Step(x);
       MatrixXd next_J;
@@ -297,7 +295,7 @@ class GeometryFitter {
   static MatrixXd InverseOf(const MatrixXd& N) {
     const VectorXd scale = N.diagonal().cwiseSqrt().cwiseInverse();
     const MatrixXd M = scale.asDiagonal() * N * scale.asDiagonal();
-    return scale.asDiagonal() * MatrixXd(M.ldlt().solve(MatrixXd::Identity(N.rows(), N.cols()))) *
+    return scale.asDiagonal() * SolveSymmetricFor(M, MatrixXd::Identity(N.rows(), N.cols())) *
            scale.asDiagonal();
   }
 
@@ -331,7 +329,7 @@ class GeometryFitter {
       const MatrixXd own = J.middleRows(row, rows);
       const MatrixXd left =
           MatrixXd::Identity(rows, rows) - own * fit_.covariance_ * own.transpose() / (level_ * level_);
-      square += left.ldlt().solve(VectorXd(r.segment(row, rows))).squaredNorm();
+      square += SolveSymmetric(left, r.segment(row, rows)).squaredNorm();
       i = end;
     }
     fit_.left_out_ = std::sqrt(square / static_cast<double>(seen_.size()));
@@ -344,8 +342,8 @@ class GeometryFitter {
     MatrixXd columns(J.rows(), static_cast<Eigen::Index>(told.size()));
     for (size_t k = 0; k < told.size(); ++k)
       columns.col(static_cast<Eigen::Index>(k)) = J.col(told[k]).normalized();
-    const Eigen::JacobiSVD<MatrixXd> svd(columns);
-    fit_.condition_ = svd.singularValues()[0] / svd.singularValues()[svd.singularValues().size() - 1];
+    const VectorXd values = SingularValues(columns);
+    fit_.condition_ = values[0] / values[values.size() - 1];
   }
 
   GeometryFit& fit_;
@@ -367,9 +365,8 @@ DeviationEstimate GeometryFit::Estimate(size_t frame, size_t component) const {
       kLookedFor, kOfFrame * static_cast<Eigen::Index>(frame - 1) + static_cast<Eigen::Index>(component));
   if (found == kLookedFor.end()) return {0, prior, prior, prior};
   const Eigen::Index first = covariance_.cols() - kCount, at = first + (found - kLookedFor.begin());
-  const MatrixXd information = MatrixXd(covariance_.bottomRightCorner(kCount, kCount))
-                                   .ldlt()
-                                   .solve(MatrixXd(MatrixXd::Identity(kCount, kCount)));
+  const MatrixXd information =
+      SolveSymmetricFor(covariance_.bottomRightCorner(kCount, kCount), MatrixXd::Identity(kCount, kCount));
   const auto axis = static_cast<Eigen::Index>(component % 3);
   return {component < 3 ? deviations_.shift[frame][axis] : deviations_.turn[frame][axis],
           std::sqrt(covariance_(at, at)), prior, 1 / std::sqrt(information(at - first, at - first))};
@@ -421,7 +418,7 @@ std::vector<GeometryFit::Foretold> GeometryFit::PredictSet(const std::vector<Tra
     base.middleRows<3>(3 * static_cast<Eigen::Index>(i)) << Matrix3d::Identity(),
         -Cross(foretold[i].position - centre);
   // What a base that is fitted to the readings takes up is no error of theirs.
-  J -= base * (base.transpose() * base).ldlt().solve(MatrixXd(base.transpose() * J));
+  J -= base * SolveSymmetricFor(base.transpose() * base, base.transpose() * J);
   for (size_t i = 0; i < foretold.size(); ++i) {
     const auto own = J.middleRows<3>(3 * static_cast<Eigen::Index>(i));
     foretold[i].covariance = own * covariance_ * own.transpose();
@@ -445,7 +442,7 @@ ArmDeviations DeviationsFrom(const VectorXd& looked_for) {
 }  // namespace
 
 std::vector<ArmDeviations> GeometryFit::Patterns() const {
-  const MatrixXd root = MatrixXd(covariance_.bottomRightCorner(kCount, kCount)).llt().matrixL();
+  const MatrixXd root = CholeskyOf(covariance_.bottomRightCorner(kCount, kCount));
   std::vector<ArmDeviations> patterns;
   for (Eigen::Index k = 0; k < kCount; ++k) patterns.push_back(DeviationsFrom(root.col(k)));
   return patterns;
@@ -453,17 +450,15 @@ std::vector<ArmDeviations> GeometryFit::Patterns() const {
 
 double GeometryFit::Gain(const Joints& q) const {
   const MatrixXd J = Rows(q);
-  const MatrixXd L =
-      MatrixXd(MatrixXd::Identity(J.rows(), J.rows()) + J * covariance_ * J.transpose() / (level_ * level_))
-          .llt()
-          .matrixL();
+  const MatrixXd L = CholeskyOf(MatrixXd::Identity(J.rows(), J.rows()) +
+                                J * covariance_ * J.transpose() / (level_ * level_));
   return Square(L.diagonal().prod());
 }
 
 void GeometryFit::Add(const Joints& q) {
   const MatrixXd J = Rows(q), gain = covariance_ * J.transpose();
   const MatrixXd S = level_ * level_ * MatrixXd::Identity(J.rows(), J.rows()) + J * gain;
-  covariance_ -= gain * S.llt().solve(MatrixXd(gain.transpose()));
+  covariance_ -= gain * SolvePositive(S, gain.transpose());
 }
 
 Pose FitBase(const GeometryFit& fit, const std::vector<TrackedPose>& poses) {

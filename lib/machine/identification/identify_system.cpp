@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "machine/identification/identify_system.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <utility>
+
+#include "base/decompositions.hpp"
 
 namespace millpose::identify {
 namespace {
@@ -202,13 +201,11 @@ std::vector<std::string> Observability(const MatrixXd& L) {
   // Of unit columns QR: what of one the others cannot make is 1 ÷ the length of its row of R⁻¹.
   VectorXd own = VectorXd::Zero(n);
   if (L.rows() >= n) {
-    const Eigen::HouseholderQR<MatrixXd> qr(Scaled(L, loaded));
-    MatrixXd R = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
+    MatrixXd R = TriangleOf(Scaled(L, loaded));
     constexpr double kRounding = 1e-15;  // what it leaves of a column that others make
     for (Eigen::Index k = 0; k < n; ++k)
       if (std::abs(R(k, k)) < kRounding) R(k, k) = kRounding;
-    const MatrixXd inverse = R.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(n, n));
-    own = inverse.rowwise().norm().cwiseInverse();
+    own = InverseOfTriangle(R).rowwise().norm().cwiseInverse();
   }
   for (Eigen::Index k = 0; k < n; ++k)
     if (own[k] < kDependent)
@@ -222,8 +219,8 @@ double Condition(const MatrixXd& L, const std::vector<std::string>& unobservable
   for (Eigen::Index j = 0; j < L.cols(); ++j)
     if (unobservable[static_cast<size_t>(j)].empty()) keep.push_back(j);
   if (keep.size() < 2) return 1;
-  const Eigen::JacobiSVD<MatrixXd> svd(Scaled(L, keep));
-  return svd.singularValues()[0] / svd.singularValues()[svd.singularValues().size() - 1];
+  const VectorXd values = SingularValues(Scaled(L, keep));
+  return values[0] / values[values.size() - 1];
 }
 
 Solution SolveSubset(const MatrixXd& N, const VectorXd& g, const std::vector<char>& keep) {
@@ -235,7 +232,7 @@ Solution SolveSubset(const MatrixXd& N, const VectorXd& g, const std::vector<cha
   if (at.empty()) return solution;
   const VectorXd scale = N.diagonal()(at).cwiseSqrt().cwiseInverse();
   const MatrixXd M = scale.asDiagonal() * MatrixXd(N(at, at)) * scale.asDiagonal();
-  const MatrixXd inverse = M.llt().solve(MatrixXd::Identity(M.rows(), M.cols()));
+  const MatrixXd inverse = SolvePositive(M, MatrixXd::Identity(M.rows(), M.cols()));
   const VectorXd c = inverse * scale.cwiseProduct(VectorXd(g(at)));
   solution.c(at) = scale.cwiseProduct(c);
   solution.inverse(at, at) = scale.asDiagonal() * inverse * scale.asDiagonal();

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "machine/identification/leave_one_out.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "base/decompositions.hpp"
 
 namespace millpose::identify {
 namespace {
@@ -74,12 +75,11 @@ LeaveOneOut::Rest LeaveOneOut::Without(size_t pose) const {
   const VectorXd y = root.cwiseProduct(fit_.system.x.segment(first, count));
   const Solution& all = fit_.solution;
   const MatrixXd RP = R * all.inverse;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd::Identity(count, count) - RP * R.transpose());
-  if (eigen.eigenvalues()[0] < kSingular) return SolveAgain(R, y, all);
+  const EigenPairs eigen = EigenOfSymmetric(MatrixXd::Identity(count, count) - RP * R.transpose());
+  if (eigen.values[0] < kSingular) return SolveAgain(R, y, all);
   const VectorXd e = y - R * all.c;
-  const VectorXd across = eigen.eigenvectors().transpose() * e;
-  const VectorXd change =
-      -RP.transpose() * (eigen.eigenvectors() * across.cwiseQuotient(eigen.eigenvalues()));
+  const VectorXd across = eigen.vectors.transpose() * e;
+  const VectorXd change = -RP.transpose() * (eigen.vectors * across.cwiseQuotient(eigen.values));
   // Without its rows: which unknowns are 0 must stay as it is.
   const VectorXd slope = slope_ - N_ * change - R.transpose() * (e - R * change);
   bool same = true;

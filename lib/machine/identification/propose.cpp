@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <Eigen/LU>
 #include <limits>
 
+#include "base/decompositions.hpp"
 #include "base/trig.hpp"
 #include "machine/identification/identify_system.hpp"
 
@@ -33,7 +33,7 @@ class Design {
     const auto n = static_cast<Eigen::Index>(keep_.size());
     Eigen::MatrixXd information = 1e-9 * Eigen::MatrixXd::Identity(n, n);
     for (const size_t i : chosen) information += rows_[i].transpose() * rows_[i];
-    return Log(information.fullPivLu().determinant());
+    return Log(DeterminantOf(information));
   }
 
   bool ObservesAll(const std::vector<size_t>& chosen) const {

@@ -4,6 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "base/decompositions.hpp"
+
 namespace millpose {
 namespace {
 
@@ -50,10 +52,10 @@ PoseStiffness EvaluatePose(const Arm& arm, const Joints& q, const Vector3d& p_FT
   result.C = Compliance(J, arm.stiffness) + SeriesComplianceAt(arm, q, p_FT, elements);
   result.K = Invert(result.C, characteristic_length);
   const Matrix3d c = result.C.topLeftCorner<3, 3>();
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(c);
+  const EigenPairs3 eigen = EigenOfSymmetric3(c);
   for (int i = 0; i < 3; ++i) {
-    result.lambda[i] = std::max(0.0, solver.eigenvalues()[2 - i]);
-    result.directions.col(i) = Positive(solver.eigenvectors().col(2 - i));
+    result.lambda[i] = std::max(0.0, eigen.values[2 - i]);
+    result.directions.col(i) = Positive(eigen.vectors.col(2 - i));
   }
   result.indices = IndicesInPlane(c, normal);
   result.t1_direction.setZero();

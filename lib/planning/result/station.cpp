@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
@@ -27,6 +28,12 @@ Pose PartAt(const PlanResult& plan, const ExternalPosition& external) {
 const ExternalPosition& ExternalAt(const PassResult& pass, size_t point) {
   const std::optional<ExternalPosition>& own = pass.points[point].external;
   return own ? *own : pass.external;
+}
+
+Pose ToolAt(const PlanResult& plan, const PassResult& pass, size_t point) {
+  const ExternalPosition& external = ExternalAt(pass, point);
+  const Pose X_PB = PartAt(plan, external).inverse(Eigen::Isometry) * BaseAt(plan, external);
+  return X_PB * ForwardFlange(plan.arm, pass.points[point].q) * plan.X_FT;
 }
 
 bool MovesAlong(const PassResult& pass) {

@@ -15,6 +15,9 @@ Pose PartAt(const PlanResult& plan, const ExternalPosition& external);
 /// Where the external axes are at point `point` of a pass: its own position, or that of the whole pass.
 const ExternalPosition& ExternalAt(const PassResult& pass, size_t point);
 
+/// Where the tool stands on the part at point `point` of a pass: tip and z to the holder, P.
+Pose ToolAt(const PlanResult& plan, const PassResult& pass, size_t point);
+
 /// Whether external axes move along a pass.
 bool MovesAlong(const PassResult& pass);
 /// Whether they do along any pass.

@@ -6,7 +6,6 @@
 #include "base/parallel.hpp"
 #include "machine/collision/tool_bodies.hpp"
 #include "machine/motion/rotation_vector.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "planning/result/skipped.hpp"
 #include "planning/result/station.hpp"
 
@@ -25,10 +24,7 @@ struct MilledPiece {
 };
 
 ToolPlace AtPoint(const PlanResult& plan, const PassResult& pass, int number) {
-  const auto t = static_cast<size_t>(number);
-  const ExternalPosition& external = ExternalAt(pass, t);
-  const Pose X_PB = PartAt(plan, external).inverse(Eigen::Isometry) * BaseAt(plan, external);
-  return {X_PB * ForwardFlange(plan.arm, pass.points[t].q) * plan.X_FT, number};
+  return {ToolAt(plan, pass, static_cast<size_t>(number)), number};
 }
 
 /// `to` and `from` stand in W with the external axes where they are at the piece's end.

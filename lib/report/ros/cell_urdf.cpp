@@ -7,7 +7,7 @@
 #include "base/text.hpp"
 #include "machine/collision/body_pairs.hpp"
 #include "machine/collision/cutter.hpp"
-#include "machine/robot/kinematics.hpp"
+#include "report/ros/cell_tree.hpp"
 #include "report/ros/stl_bytes.hpp"
 #include "report/view_mesh.hpp"
 
@@ -27,31 +27,17 @@ std::string Origin(const Pose& X) {
                      Text(AnglesZyx(X.linear()).reverse()));
 }
 
-/// A joint's `lower`, `upper` and `speed` in URDF's units.
-struct JointLimits {
-  double lower = 0, upper = 0, speed = 0;
-};
-
 class UrdfWriter {
  public:
   UrdfWriter(const Cell& cell, const RosNames& names, const std::string& meshes)
-      : cell_(cell), names_(names), meshes_(meshes) {}
+      : cell_(cell), names_(names), tree_(cell, names), meshes_(meshes) {}
 
   CellUrdf Write() {
     Line("<?xml version=\"1.0\"?>");
     Line("<robot name=\"{}\">", names_.cell);
     Line("  <!-- Written by millpose. Efforts, masses and inertias are not known to it. -->");
     for (const CoupledLimit& limit : cell_.arm.coupled_limits) CoupledRemark(limit);
-    Frame(kRosWorld);
-    Axes(Carries::kRobot);
-    Axes(Carries::kWorkpiece);
-    Frame(kRosBase);
-    Fixed(kRosBase, CarriageLink(LastCarrier(cell_.external_axes, Carries::kRobot)),
-          OnCarrier(LastCarrier(cell_.external_axes, Carries::kRobot), cell_.X_WB));
-    ArmChain();
-    Frame(kRosPart);
-    Fixed(kRosPart, CarriageLink(LastCarrier(cell_.external_axes, Carries::kWorkpiece)),
-          OnCarrier(LastCarrier(cell_.external_axes, Carries::kWorkpiece), cell_.X_WP));
+    for (const CellFrame& frame : tree_.frames()) Frame(frame);
     for (size_t i = 0; i < cell_.bodies.size(); ++i) BodyLink(cell_.bodies[i], names_.bodies[i]);
     Line("</robot>");
     return std::move(urdf_);
@@ -72,91 +58,33 @@ class UrdfWriter {
     Line("  <!-- Not kept by this description: {} at most {} rad. -->", sum, Text(limit.at_most));
   }
 
-  void Frame(const std::string& name) { Line("  <link name=\"{}\"/>", name); }
+  void Frame(const CellFrame& frame) {
+    Line("  <link name=\"{}\"/>", frame.name);
+    if (frame.parent < 0) return;
+    const std::string& parent = tree_.frames()[static_cast<size_t>(frame.parent)].name;
+    if (frame.joint == CellFrame::Joint::kFixed) return Fixed(frame.name, parent, frame.X);
+    const bool turns = frame.joint == CellFrame::Joint::kTurns;
+    const double unit = turns ? 1 : kMetre;
+    Line("  <joint name=\"{}\" type=\"{}\">{}<parent link=\"{}\"/><child link=\"{}\"/>",
+         names_.joints[frame.axis_number], turns ? "revolute" : "prismatic", Origin(frame.X), parent,
+         frame.name);
+    Line("    <axis xyz=\"{}\"/><limit lower=\"{}\" upper=\"{}\" velocity=\"{}\" effort=\"0\"/></joint>",
+         Text(frame.axis), Text(frame.lower / unit), Text(frame.upper / unit), Text(frame.speed / unit));
+  }
 
   void Fixed(const std::string& child, const std::string& parent, const Pose& X) {
     Line("  <joint name=\"{}_fixed\" type=\"fixed\">{}<parent link=\"{}\"/><child link=\"{}\"/></joint>",
          child, Origin(X), parent, child);
   }
 
-  void Moving(const std::string& name, const char* type, const std::string& parent, const std::string& child,
-              const Pose& X, const Eigen::Vector3d& axis, const JointLimits& limits) {
-    Frame(child);
-    Line("  <joint name=\"{}\" type=\"{}\">{}<parent link=\"{}\"/><child link=\"{}\"/>", name, type,
-         Origin(X), parent, child);
-    Line("    <axis xyz=\"{}\"/><limit lower=\"{}\" upper=\"{}\" velocity=\"{}\" effort=\"0\"/></joint>",
-         Text(axis), Text(limits.lower), Text(limits.upper), Text(limits.speed));
-  }
-
-  /// The link that an external axis moves, or world.
-  std::string CarriageLink(int axis) const {
-    return axis == kNoCarrier ? kRosWorld : names_.carriages[static_cast<size_t>(axis)];
-  }
-  /// Where its frame stands in W with all axes at 0: parallel to W, on the line of a rotary axis.
-  Eigen::Vector3d PlaceOf(int axis) const {
-    if (axis == kNoCarrier) return Eigen::Vector3d::Zero();
-    const ExternalAxis& of = cell_.external_axes[static_cast<size_t>(axis)];
-    return of.kind == AxisKind::kRotary ? of.origin : Eigen::Vector3d::Zero();
-  }
-  Pose OnCarrier(int axis, const Pose& X_W) const { return Eigen::Translation3d(-PlaceOf(axis)) * X_W; }
-
-  void Axes(Carries carried) {
-    for (size_t i = 0; i < cell_.external_axes.size(); ++i) {
-      const ExternalAxis& axis = cell_.external_axes[i];
-      if (axis.carries != carried) continue;
-      const int own = static_cast<int>(i), under = CarrierOfAxis(cell_.external_axes, own);
-      const bool turns = axis.kind == AxisKind::kRotary;
-      const double unit = turns ? 1 : kMetre;
-      Moving(names_.joints[6 + i], turns ? "revolute" : "prismatic", CarriageLink(under), names_.carriages[i],
-             Pose(Eigen::Translation3d(PlaceOf(own) - PlaceOf(under))), axis.direction,
-             {axis.lower / unit, axis.upper / unit, axis.speed / unit});
-    }
-  }
-
-  /// Between two frames of the arm only the joint between them counts: at angle 0 it is the joint's place.
-  void ArmChain() {
-    static constexpr std::array kAxes = {2, 1, 1, 0, 1, 2};  // z, y, y, x, y, z, of the frame behind
-    const std::array<Pose, 7> frames = LinkFrames(cell_.arm, Joints::Zero());
-    std::string parent = kRosBase;
-    for (size_t i = 0; i < 6; ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      Moving(names_.joints[i], "revolute", parent, names_.links[i],
-             frames[i].inverse(Eigen::Isometry) * frames[i + 1],
-             cell_.arm.sign[i] * Eigen::Vector3d::Unit(kAxes[i]),
-             {cell_.arm.lower[k], cell_.arm.upper[k], cell_.arm.speed[k]});
-      parent = names_.links[i];
-    }
-    Frame(kRosFlange);
-    Fixed(kRosFlange, parent, Pose::Identity());
-    Frame(kRosTip);
-    Fixed(kRosTip, kRosFlange, cell_.X_FT);
-  }
-
-  /// What a body hangs on, and where its shape stands there.
-  std::pair<std::string, Pose> MountOf(const Body& body) const {
-    switch (body.mount) {
-      case Mount::kLink:
-        return {body.link == 0 ? kRosBase : names_.links[static_cast<size_t>(body.link) - 1], body.X_MG};
-      case Mount::kTool:
-        return {kRosTip, body.X_MG};
-      case Mount::kWorkpiece:
-        return {kRosPart, body.X_MG};
-      case Mount::kCarriage:
-        return {CarriageLink(body.axis), OnCarrier(body.axis, body.X_MG)};
-      case Mount::kWorld:
-        break;
-    }
-    return {kRosWorld, body.X_MG};
-  }
-
   void BodyLink(const Body& body, const std::string& name) {
-    const auto [parent, X] = MountOf(body);
+    const auto [frame, X] = tree_.MountOf(body);
     Line("  <link name=\"{}\">", name);
     for (const auto& [origin, geometry] : ShapesOf(body, X, name))
       for (const char* use : {"visual", "collision"})
         Line("    <{0}>{1}<geometry>{2}</geometry></{0}>", use, origin, geometry);
     Line("  </link>");
-    Fixed(name, parent, Pose::Identity());
+    Fixed(name, tree_.frames()[frame].name, Pose::Identity());
   }
 
   using ShapeTexts = std::vector<std::pair<std::string, std::string>>;  // origin, geometry
@@ -201,6 +129,7 @@ class UrdfWriter {
 
   const Cell& cell_;
   const RosNames& names_;
+  CellTree tree_;
   const std::string& meshes_;
   CellUrdf urdf_;
 };

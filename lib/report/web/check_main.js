@@ -16,7 +16,7 @@
     const facts = [];
     if (data.path) {
       const out = [0, 1, 2, 3].map((state) => data.rows.state.filter((s) => s === state).length), missed = out[1] + out[2] + out[3];
-      facts.push(fact(data.path.total.toLocaleString("en"), "points"), fact(String(data.path.passes), "passes"), fact(missed.toLocaleString("en"), "out of reach", missed > 0));
+      facts.push(fact(data.path.total.toLocaleString("en"), data.path.total === 1 ? "point" : "points"), fact(String(data.path.passes), data.path.passes === 1 ? "pass" : "passes"), fact(missed.toLocaleString("en"), "out of reach", missed > 0));
     }
     if (data.part) facts.push(fact(data.part.faces.length.toLocaleString("en"), data.part.solid_model ? "STEP faces" : "faces between creases"));
     facts.push(fact(String(data.findings.length), "findings", data.findings.length > 0));

@@ -63,6 +63,7 @@
       pass: uint32(raw.timeline.pass), row: uint32(raw.timeline.row), joints: floats(raw.timeline.joints_deg), tip: floats(raw.timeline.tip_mm) };
     if (raw.row_bases) data.rowBases = floats(raw.row_bases);  // external axes move along passes
     if (raw.timeline && raw.timeline.bases) data.timeline.bases = floats(raw.timeline.bases);
+    data.removal = raw.removal && m.readRemoval(raw.removal, { floats, uint32, uint16 });
     data.bodies = raw.bodies.map((b) => Object.assign({}, b, { vertices: floats(b.vertices), faces: uint32(b.faces) }));
     return data;
   };

@@ -46,6 +46,9 @@
     section.querySelector("p").textContent =
       `What the tool's errors add along the normal, less its mean, ${m.format(scale.low)} µm (dark) to ${m.format(scale.high)} µm (bright: material left); ` +
       `${face.across} to the right, ${face.up} upwards in the part's frame, a place every ${m.format(face.spacing_mm)} mm.`;
-    section.querySelector("pre").textContent = face.text;
+    // A table in columns, so it comes in each language as a whole.
+    const write = () => { section.querySelector("pre").textContent = face.text[document.documentElement.lang]; };
+    write();
+    m.whenToldAnew(write);
   };
 })((window.millpose = window.millpose || {}));

@@ -64,6 +64,8 @@
     }
     const player = data.timeline ? new m.Player(data, actions, scene) : null;
     if (!player) $("player").remove();
+    const stock = new m.StockView(scene);
+    if (player) player.onPlay = () => stock.showOnce();
     const charts = new m.PathCharts($("path-charts"), data, actions), worst = new m.WorstTable(data, actions);
     const poses = new m.PoseCharts($("rotation-chart"), $("genetic-chart"), data);
     if (scene) views.push(scene);

@@ -6,9 +6,12 @@
   // A text in the language of the page; language.js has more than English.
   m.say = (english) => english;
 
+  const LEAST = 1e-9;  // in any unit that pages have: less is what rounding leaves
+
   // About four significant digits, without an exponent where that stays short.
   m.format = function (value, digits = 4) {
     if (value === null || value === undefined || Number.isNaN(value)) return "–";
+    if (Math.abs(value) < LEAST) value = 0;
     const size = Math.abs(value);
     if (size !== 0 && (size >= 1e6 || size < 1e-4)) return value.toExponential(digits - 1);
     const whole = size >= 1 ? Math.floor(Math.log10(size)) + 1 : 0;

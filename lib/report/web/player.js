@@ -83,6 +83,7 @@
       if (this.playing && this.seconds >= this.data.timeline.seconds) this.seconds = 0;
       this.button();
       if (!this.playing) return this.settle();
+      if (this.onPlay) this.onPlay();
       let before = performance.now();
       const frame = (now) => {
         if (!this.playing) return;
@@ -104,7 +105,10 @@
       const at = (this.now = this.line.at(this.seconds));
       this.slider.value = this.seconds;
       this.tell(at);
-      if (this.scene) this.scene.pose(at.joints, "", at.base);
+      if (this.scene) {
+        this.scene.pose(at.joints, "", at.base);
+        this.scene.millUntil(this.seconds);
+      }
     }
     step(seconds) {
       this.seek(this.seconds + seconds);
@@ -121,6 +125,8 @@
       const where = at.pass < 0 ? (this.seconds > 0 ? "way home" : "home") : `pass ${this.data.passes[at.pass].pass}, ${STRETCHES[at.stretch]}`;
       $("clock").textContent = `${m.clock(this.seconds)} / ${m.clock(this.data.timeline.seconds)}`;
       $("doing").textContent = where;
+      const { removal } = this.data;
+      if (removal) $("removed").textContent = m.removedText(removal, this.seconds);
       this.slider.setAttribute("aria-valuetext", `${m.clock(this.seconds)}, ${where}`);
     }
     // Another view selected a point: the time goes there.
@@ -136,6 +142,7 @@
       this.now = null;
       this.slider.value = time;
       this.tell(this.line.at(time));
+      if (this.scene) this.scene.millUntil(time);
     }
   };
 })((window.millpose = window.millpose || {}));

@@ -41,6 +41,7 @@
       this.scene.add(sky, this.lamp, this.lamp.target);
       this.path = new m.ScenePath(this.scene, data);
       this.addBodies();
+      this.addStock();
       this.groups.gaps = this.path.ways;
       this.groups.marks = this.path.marks;
       this.triad = new m.Triad(parent);
@@ -84,6 +85,23 @@
       this.skeletonJoints.frustumCulled = false;
       this.groups.arm.add(this.skeleton, this.skeletonJoints);
       this.recolour();
+    }
+
+    // The material is drawn on request: it hides the path that still lies in it.
+    addStock() {
+      this.groups.stock = new THREE.Group();
+      this.groups.stock.visible = false;
+      this.scene.add(this.groups.stock);
+      this.stock = this.data.removal ? new m.Stock(this.data.removal, this.data.X_WP) : null;
+      if (this.stock) this.groups.stock.add(this.stock.mesh);
+      this.seconds = 0;
+    }
+    // The material as it stands at a time of the run.
+    millUntil(seconds) {
+      this.seconds = seconds;
+      if (!this.stock || !this.groups.stock.visible) return;
+      this.stock.seek(seconds);
+      this.schedule();
     }
 
     // The colours of the theme.
@@ -153,6 +171,7 @@
         this.showNearest = on;
         this.select(this.selected);
       } else this.groups[name].visible = on;
+      if (name === "stock") this.millUntil(this.seconds);
       this.schedule();
     }
 

@@ -16,7 +16,7 @@
     document.getElementById("facts").append(
       fact(c.planned.toLocaleString("en"), `of ${c.total.toLocaleString("en")} points planned`, c.planned < c.total),
       fact(c.skipped.toLocaleString("en"), "skipped", c.skipped > 0),
-      fact(String(data.passes.length), m.element("span", m.tipOf("pass"), "passes")),
+      fact(String(data.passes.length), m.element("span", m.tipOf("pass"), data.passes.length === 1 ? "pass" : "passes")),
       fact(`${gaps.planned}/${gaps.total}`, m.element("span", m.tipOf("gap"), "gaps planned"), gaps.planned < gaps.total));
     for (const time of data.times) {
       const [total, ...parts] = time.text.split(" ");

@@ -15,8 +15,9 @@ namespace {
 
 constexpr const char* kStyle = R"html(h1 { margin: 0 0 4px; }
 p { margin: 0 0 10px; color: var(--muted); }
+td { padding: 5px 6px; }
 th { padding: 0; vertical-align: bottom; }
-th button { font: inherit; font-weight: 600; color: inherit; background: none; border: 0; padding: 6px 9px; width: 100%; text-align: inherit; vertical-align: bottom; white-space: normal; cursor: pointer; }
+th button { font: inherit; font-weight: 600; color: inherit; background: none; border: 0; padding: 6px; width: 100%; text-align: inherit; vertical-align: bottom; white-space: normal; cursor: pointer; }
 th[aria-sort=ascending] button::after { content: " \25B2"; }
 th[aria-sort=descending] button::after { content: " \25BC"; }
 td.cause { white-space: pre-wrap; min-width: 220px; overflow-wrap: anywhere; }

@@ -26,6 +26,7 @@ section { background: var(--card); border: 1px solid var(--line); border-radius:
 .two { display: flex; flex-wrap: wrap; gap: 10px; align-items: flex-start; }
 .two section { flex: 1 1 340px; min-width: 0; }
 th, td { padding: 4px 8px; text-align: right; font-variant-numeric: tabular-nums; }
+th { white-space: normal; vertical-align: bottom; }
 th:first-child, td:first-child { text-align: left; }
 tr.best td { font-weight: 600; }
 svg { display: block; width: 100%; height: auto; }

@@ -31,12 +31,16 @@ double Area(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vec
 
 }  // namespace
 
-StandingStock::StandingStock(const Triangles& blank, double spacing, size_t most_lines) : spacing_(spacing) {
+StandingStock::StandingStock(const Triangles& blank, double spacing, size_t most_lines, int along)
+    : spacing_(spacing) {
   for (const auto& face : blank.faces)
     for (const int corner : face) box_.extend(blank.vertices[static_cast<size_t>(corner)]);
   if (box_.isEmpty()) return;
   const Vector3d size = box_.sizes();
-  size.minCoeff(&along_);
+  if (along < 0)
+    size.minCoeff(&along_);
+  else
+    along_ = along;
   first_ = (along_ + 1) % 3, second_ = (along_ + 2) % 3;
   const double least = std::sqrt(size[first_] * size[second_] / static_cast<double>(most_lines));
   spacing_ = std::max(spacing, least);
@@ -46,7 +50,22 @@ StandingStock::StandingStock(const Triangles& blank, double spacing, size_t most
   origin_[along_] = 0;
   origin_[first_] -= spacing_ * kBesideEdges;
   origin_[second_] -= spacing_ * kBesideEdges;
+  Fill(blank);
+}
 
+StandingStock::StandingStock(const Triangles& body, const StandingStock& beside)
+    : box_(beside.box_),
+      spacing_(beside.spacing_),
+      along_(beside.along_),
+      first_(beside.first_),
+      second_(beside.second_),
+      origin_(beside.origin_),
+      rows_(beside.rows_),
+      columns_(beside.columns_) {
+  Fill(body);
+}
+
+void StandingStock::Fill(const Triangles& blank) {
   std::vector<Crossing> crossings;
   for (const auto& face : blank.faces) {
     std::array<Eigen::Vector2d, 3> flat;

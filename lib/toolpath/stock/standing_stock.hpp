@@ -12,15 +12,18 @@
 
 namespace millpose {
 
-/// Material as spans along parallel lines ("dexels") on a square lattice across the shortest side of the
-/// blank. Exact along the lines, to 1e-9 mm and the cutter's chords; beside them it is not known farther
-/// than half the lattice's spacing along either of its axes. Frame P, mm.
+/// Material as spans along parallel lines ("dexels") on a square lattice across an axis, the shortest side of
+/// the blank unless another is asked for. Exact along the lines, to 1e-9 mm and the cutter's chords; beside
+/// them it is not known farther than half the lattice's spacing along either of its axes. Frame P, mm.
 class StandingStock {
  public:
   /// A blank that triangles bound; the lattice has `spacing` (mm), more where the blank would take more than
   /// `most_lines`. On lines where its surface is not closed all from its first to its last meeting is
-  /// material.
-  StandingStock(const Triangles& blank, double spacing, size_t most_lines = 4'000'000);
+  /// material. `along`: the axis of the lines, 0 to 2; −1: the shortest side.
+  StandingStock(const Triangles& blank, double spacing, size_t most_lines = 4'000'000, int along = -1);
+
+  /// A body on the lines of another; what lies beside them is not there.
+  StandingStock(const Triangles& body, const StandingStock& beside);
 
   /// Takes off what the cutter sweeps, with its cutting length; the order of the motions does not matter.
   /// Axes that turn do so in steps that move no point of the cutter by more than a quarter of the spacing.
@@ -37,6 +40,16 @@ class StandingStock {
   /// mm³: the spans' length × spacing².
   double Volume() const;
 
+  /// By line, row by row: from its lowest to its highest material, mm; high < low where none stands.
+  const std::vector<Span>& Ends() const { return levels_.front().spans; }
+  /// On the line of row `i` and column `j`, at `along` of its axis.
+  Eigen::Vector3d Place(size_t i, size_t j, double along) const;
+
+  size_t rows() const { return rows_; }
+  size_t columns() const { return columns_; }
+  int along() const {
+    return along_;
+  }  ///< the axis of the lines: 0 to 2; columns lie along the next, rows along the one after
   double spacing() const { return spacing_; }
   const Eigen::AlignedBox3d& box() const { return box_; }  ///< of the blank
 
@@ -50,7 +63,7 @@ class StandingStock {
   };
   using Nodes = std::vector<Node>;
 
-  Eigen::Vector3d Place(size_t i, size_t j, double along) const;
+  void Fill(const Triangles& blank);
   void Take(size_t line, const Span& off, Nodes& further);
   void RemoveIn(size_t first_row, size_t end_row, const CutterProfile& profile,
                 std::span<const SweptVolume> volumes, Nodes& further);

@@ -43,6 +43,7 @@ struct Drill final : Strategy {
   bool NeedsPart() const override { return circles.has_value(); }
   bool IsPrescribed() const override { return true; }
   bool HasMillingForce() const override { return false; }
+  bool CutsAtPlungeFeed() const override { return true; }
   std::string DefaultObjective() const override { return "drilling"; }
   double Dwell() const override { return dwell; }
   std::vector<std::string> WithoutEffect() const override;

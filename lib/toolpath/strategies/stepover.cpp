@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/strategies/stepover.hpp"
 
-#include <Eigen/Cholesky>
-
+#include "base/decompositions.hpp"
 #include "base/trig.hpp"
 
 namespace millpose {
@@ -29,7 +28,7 @@ double Curvature(const Mesh& mesh, const CornerNormals& normals, int face, const
       b += value * row;
     }
   }
-  const Eigen::Vector3d form = A.ldlt().solve(b);
+  const Eigen::Vector3d form = SolveSymmetric3(A, b);
   const double x = direction.dot(u), y = direction.dot(v);
   return form[0] * x * x + 2 * form[1] * x * y + form[2] * y * y;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What plans passes once more: ends without room, points inserted, the other direction; and pairs that always
 // touch.
+#include "base/counted.hpp"
 #include "job/assemble.hpp"
 #include "job/compensate_job.hpp"
 #include "job/exclude_pairs.hpp"
@@ -107,7 +108,7 @@ TEST(PlanFiner, InsertsPointsOnTheSurfaceWhereABoundPerStepLosesThem) {
   for (size_t i = 0; i < job.plan.passes.size(); ++i)
     longer += job.plan.passes[i].points.size() > job.prepared.made.toolpath.passes[i].points.size() ? 1 : 0;
   const std::string words =
-      fmt::format("toolpath: {} points are inserted in {} passes, ", run - laid, longer);
+      fmt::format("toolpath: {} points are inserted in {}, ", run - laid, CountedPasses(longer));
   EXPECT_TRUE(std::ranges::any_of(job.prepared.warnings, [&](const std::string& warning) {
     return warning.starts_with(words);
   })) << words;

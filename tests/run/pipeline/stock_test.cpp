@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "run/pipeline/operations/run_job.hpp"
+#include "run/pipeline/outputs/report_parts.hpp"
+#include "run/pipeline/programs/plan_timeline.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 
@@ -38,6 +40,27 @@ TEST(StockOfAJob, IsMilledAway) {
   EXPECT_NEAR(job.stock->removed, slots, 0.01 * slots);
   EXPECT_EQ(job.stock->left_out, 0);
   EXPECT_FALSE(job.programs.programs.empty());
+}
+
+// What report.html plays ends with what the summary tells, and every moment of it lies within the run.
+TEST(StockOfAJob, IsWatchedWhileItGoes) {
+  const std::vector<Override> more{{"workpiece.stock", StockBoxStl(3)}};
+  const JobInputs inputs = SmallInputs(more);
+  const PlannedJob job = PlanJob(inputs, NoCheckpoints(), {.threads = 2});
+  const Timeline timeline = PlanTimeline(job.plan, inputs);
+  const auto removal = RemovalOf(inputs, job, timeline, {.threads = 2});
+  ASSERT_TRUE(removal);
+  EXPECT_NEAR(removal->volume - removal->frames.back().volume, job.stock->removed, 0.02 * job.stock->removed);
+  double time = 0, volume = removal->volume;
+  for (const Removal::Frame& frame : removal->frames) {
+    EXPECT_GE(frame.time, time);
+    EXPECT_LE(frame.volume, volume);
+    time = frame.time, volume = frame.volume;
+  }
+  EXPECT_LT(time, timeline.back().time);  // the way home cuts nothing
+  const auto first_cut = std::ranges::find(timeline, RunPart::kCut, &RunInstant::stretch);
+  EXPECT_GE(removal->frames.front().time, std::prev(first_cut)->time);
+  EXPECT_FALSE(RemovalOf(SmallInputs({}), job, timeline, {}));
 }
 
 // 75 mm over the face: the holder would go down into it with the first point.

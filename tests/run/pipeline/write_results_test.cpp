@@ -27,7 +27,7 @@ struct Written {
 Written Write(const Handed& handed) {
   static const Execution execution{.threads = 2};
   static const ReportParts parts =
-      MakeReportParts(SmallInputs(), FreshPlan(), false, NoCheckpoints(), execution);
+      MakeReportParts(SmallInputs(), FreshPlan(), {}, false, NoCheckpoints(), execution);
   const PreparedJob& prepared = FreshPlan().prepared;
   const std::optional<AuditFigures> audit;
   const Timeline timeline;

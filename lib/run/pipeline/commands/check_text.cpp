@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nlohmann/json.hpp>
 
+#include "base/counted.hpp"
 #include "base/shown.hpp"
 #include "base/units.hpp"
 #include "run/pipeline/commands/advise_text.hpp"
@@ -272,7 +273,7 @@ std::string ToText(const JobCheck& check) {
       fmt::format("job                 {}, cell {}, arm {}\n", check.job, check.cell, check.arm);
   if (!check.operation.empty()) text += fmt::format("operation           {}\n", check.operation);
   text += ToText(check.mesh);
-  text += fmt::format("tool path           {} points in {} passes\n", check.points, check.passes);
+  text += fmt::format("tool path           {} points in {}\n", check.points, CountedPasses(check.passes));
   text += fmt::format("within reach        {}\n", share(check.reach[0]));
   const std::array<const char*, 4> reasons{"", "too far or too near", "outside the limits",
                                            "near a singularity"};

@@ -19,6 +19,8 @@ th.n, td.n { white-space: nowrap; }
 p { margin: 0 0 10px; color: var(--muted); }
 tr.bad td { font-weight: 600; }
 section { break-inside: avoid; }
+table { table-layout: fixed; min-width: 580px; }
+th:first-child { width: 40%; }
 @media print { .scroll { overflow: visible; } }
 )html";
 

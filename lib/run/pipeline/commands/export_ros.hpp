@@ -15,7 +15,8 @@ namespace millpose {
 struct ExportArguments {
   std::filesystem::path plan;                ///< output folder of the plan
   std::optional<std::filesystem::path> job;  ///< of it, where it does not stand beside the folder
-  std::filesystem::path ros;                 ///< folder to write
+  std::filesystem::path ros;                 ///< folder to write, for ExportRos()
+  std::filesystem::path gltf;                ///< file to write, for ExportGltf()
   std::string package;                       ///< of ROS, that meshes are named by; empty: relative
   FileRoot root{};
 };

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "base/angles.hpp"
+#include "base/counted.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "job/assemble.hpp"
@@ -19,10 +20,10 @@
 #include "planning/result/cycle_time.hpp"
 #include "planning/result/station.hpp"
 #include "report/budget_json.hpp"
-#include "report/setup_picture.hpp"
 #include "report/setup_sheet.hpp"
 #include "report/view_mesh.hpp"
 #include "run/pipeline/commands/operation_json.hpp"
+#include "run/pipeline/commands/setup_views.hpp"
 
 namespace millpose {
 namespace {
@@ -55,8 +56,8 @@ SheetSection SummaryOf(const std::vector<OperationWithTree>& operations) {
     const double sum = one.json.at("budget").at("sum_um").get<double>();  // 0 where no face is cut
     section.table.rows.push_back(
         {one.name, one.inputs.cell.tool.name,
-         fmt::format("{} of {} points in {} passes", points.at("planned").get<size_t>(),
-                     points.at("total").get<size_t>(), one.plan.passes.size()),
+         fmt::format("{} of {} points in {}", points.at("planned").get<size_t>(),
+                     points.at("total").get<size_t>(), CountedPasses(one.plan.passes.size())),
          fmt::format("{}", fmt::join(times, "; ")),
          clearance.is_number() ? fmt::format("{:.1f}", clearance.get<double>()) : "-",
          sum > 0 ? fmt::format("{:.3g}", sum) : "-"});
@@ -231,71 +232,6 @@ void AddFirstRuns(const std::vector<OperationWithTree>& operations, SetupSheet& 
   for (auto& [controller, section] : by_controller) sheet.sections.push_back(std::move(section));
 }
 
-/// The part's frame in W when a pass, or a point of it, is milled.
-Pose PartAt(const PlanResult& plan, const PassResult& pass, const PlannedPoint& point) {
-  const ExternalPosition& external = point.external ? *point.external : pass.external;
-  if (external.empty()) return plan.X_WP;
-  return Mechanism(plan.external_axes).Moved(Carries::kWorkpiece, external) * plan.X_WP;
-}
-
-PicturePath PathOf(const OperationWithTree& one, Vector3d& normals, Vector3d& axes) {
-  PicturePath path{one.name, {}, {}};
-  for (const PassResult& pass : one.plan.passes) {
-    const auto in_part = [&](const PlannedPoint& point) { return PartAt(one.plan, pass, point).inverse(); };
-    for (const Segment& piece : pass.pieces) {
-      std::vector<Vector3d>& cut = path.cuts.emplace_back();
-      for (int i = piece.first; i <= piece.last; ++i) {
-        const PlannedPoint& point = pass.points[static_cast<size_t>(i)];
-        const Pose X_PW = in_part(point);
-        cut.push_back(X_PW * point.point.position);
-        normals += X_PW.linear() * point.point.normal;
-        axes += X_PW.linear() * point.point.tool_axis;
-      }
-    }
-    for (const PlannedPoint& point : pass.points)
-      if (point.skip != Infeasibility::kNone) path.skipped.push_back(in_part(point) * point.point.position);
-  }
-  return path;
-}
-
-SheetSection SetupOf(std::span<const OperationWithTree> operations, const Cell& cell, const Mesh& part,
-                     Language language) {
-  const PlanResult& plan = operations.front().plan;
-  const Pose X_PW = plan.X_WP.inverse();
-  SetupPicture picture;
-  picture.language = language;
-  picture.up = X_PW.linear() * Vector3d::UnitZ();
-  picture.arm = X_PW * plan.X_WB.translation();
-  if (part.face_count() > 0) picture.solids.push_back({part.triangles(), true});
-  for (const Body& body : cell.bodies) {
-    if (body.body_class != BodyClass::kFixture ||
-        (body.mount != Mount::kWorld && body.mount != Mount::kWorkpiece))
-      continue;
-    PictureSolid solid{ViewMesh(body.shape), false};
-    const Pose X_PG = (body.mount == Mount::kWorkpiece ? Pose::Identity() : X_PW) * body.X_MG;
-    for (Vector3d& p : solid.mesh.vertices) p = X_PG * p;
-    picture.solids.push_back(std::move(solid));
-  }
-  Vector3d normals = Vector3d::Zero(), axes = Vector3d::Zero();
-  for (const OperationWithTree& one : operations) picture.paths.push_back(PathOf(one, normals, axes));
-  // From the side that is milled, a little from above and aside, so that neither face nor depth is lost.
-  Vector3d looked = normals.norm() > 1e-6 ? normals.normalized()
-                    : axes.norm() > 1e-6  ? axes.normalized()
-                                          : picture.up;
-  Vector3d aside = picture.up.cross(looked);
-  if (aside.norm() < 0.3) aside = picture.arm - picture.arm.dot(looked) * looked;
-  if (aside.norm() > 1e-6) aside.normalize();
-  picture.towards = looked + 0.45 * picture.up + 0.45 * aside;
-  SheetSection section{.title = "Setup"};
-  section.picture = PictureOf(picture);
-  std::vector<std::string> names;
-  for (size_t i = 0; i < operations.size(); ++i)
-    names.push_back(fmt::format("{} {}", i + 1, operations[i].name));
-  section.note = fmt::format("Begins at {}; x, y, z: the part's frame. Points that are left out are red.",
-                             fmt::join(names, ", at "));
-  return section;
-}
-
 /// The operations of each setup in a row, those of a job without setups in one.
 std::vector<std::span<const OperationWithTree>> BySetup(const std::vector<OperationWithTree>& operations,
                                                         const std::vector<std::string>& setups) {
@@ -307,13 +243,14 @@ std::vector<std::span<const OperationWithTree>> BySetup(const std::vector<Operat
   return groups;
 }
 
-/// Picture and datum of each setup.
+/// Pictures and datum of each setup.
 void AddSetups(const std::vector<OperationWithTree>& operations, const std::vector<std::string>& setups,
                const Mesh& part, Language language, std::vector<SheetSection>& sections) {
   size_t first = 0;
   for (const std::span<const OperationWithTree> group : BySetup(operations, setups)) {
-    for (SheetSection section :
-         {SetupOf(group, MakeJobCell(group.front().inputs), part, language), Datum(group.front())}) {
+    std::vector<SheetSection> own = SetupViews(group, MakeJobCell(group.front().inputs), part, language);
+    own.push_back(Datum(group.front()));
+    for (SheetSection& section : own) {
       if (!setups[first].empty()) section.note = fmt::format("Setup {}. {}", setups[first], section.note);
       sections.push_back(std::move(section));
     }
@@ -347,7 +284,6 @@ std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop)
          {ToolsOf(operations), AxisPositions(operations), Holding(cell), ProgramsOf(folder)})
       sections.push_back(section);
     for (SheetSection& section : sections) {
-      section.new_page = section.title == "Setup";
       if (!section.table.rows.empty() || !section.list.empty() || !section.picture.empty())
         sheet.sections.push_back(std::move(section));
     }

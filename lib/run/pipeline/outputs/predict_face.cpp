@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/outputs/predict_face.hpp"
 
+#include "base/decompositions.hpp"
 #include "base/error.hpp"
 #include "job/assemble.hpp"
 #include "job/bent_part.hpp"
@@ -37,14 +38,6 @@ std::function<Joints(const Joints&)> WeightIn(const Arm& arm, const GearModel& g
   };
 }
 
-/// L of a covariance L·Lᵀ, which may be of less than full rank.
-ProbeMatrix RootOf(const ProbeMatrix& covariance) {
-  const Eigen::LDLT<ProbeMatrix> factor(covariance);
-  const ProbeMatrix lower = factor.matrixL();
-  return factor.transpositionsP().transpose() *
-         ProbeMatrix(lower * factor.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
-}
-
 StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const GearModel& gears) {
   StatedErrors stated;
   const auto loaded = [](const PlannedPoint& point) {
@@ -63,7 +56,7 @@ StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const Gea
   stated.gears = gears.error;
   stated.geometry = inputs.cell.arm.deviations.has_value();
   if (const std::optional<RegisteredSettings>& part = inputs.job.workpiece.registered) {
-    stated.part = RootOf(part->WholeCovariance());
+    stated.part = RootOfCovariance(part->WholeCovariance());
     stated.part_centre = part->centre;
     if (part->bending) stated.part_bending = part->bending->shape;
   }

@@ -2,8 +2,10 @@
 #include "run/pipeline/outputs/report_parts.hpp"
 
 #include "job/assemble.hpp"
+#include "job/raw_stock.hpp"
 #include "report/samples/axis_map.hpp"
 #include "report/samples/nearest_pairs.hpp"
+#include "report/samples/plan_removal.hpp"
 #include "report/samples/sample_curves.hpp"
 #include "store/cached_stage.hpp"
 #include "store/plan_key.hpp"
@@ -21,8 +23,17 @@ struct Choices {
 
 }  // namespace
 
-ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, bool full_map,
-                            const CheckpointStore& checkpoints, const Execution& execution) {
+std::optional<Removal> RemovalOf(const JobInputs& inputs, const PlannedJob& job, const Timeline& timeline,
+                                 const Execution& execution) {
+  if (!inputs.job.workpiece.HasStock() || timeline.empty()) return std::nullopt;
+  return PlanRemoval(job.plan, timeline,
+                     {RawStock(inputs), job.prepared.surface.mesh.triangles(), inputs.cut_before,
+                      inputs.job.workpiece.stock_resolution},
+                     MakeCutterShape(inputs.cell.tool), execution);
+}
+
+ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, const Timeline& timeline,
+                            bool full_map, const CheckpointStore& checkpoints, const Execution& execution) {
   const PlanResult& plan = job.plan;
   const PreparedJob& prepared = job.prepared;
   const GeneticOptions genetic = MakePathOptions(inputs.job).genetic;
@@ -37,7 +48,8 @@ ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, bool
   auto nearest = CachedInWorld<NearestPairs>(
       checkpoints, "nearest-pairs", plan_key, prepared.stations,
       [&](const Stations& watched) { return FindNearestPairs(plan, watched, execution); });
-  return {std::move(choices.curves), std::move(choices.map), std::move(nearest)};
+  return {std::move(choices.curves), std::move(choices.map), std::move(nearest),
+          RemovalOf(inputs, job, timeline, execution)};
 }
 
 }  // namespace millpose

@@ -13,10 +13,15 @@ struct ReportParts {
   std::vector<PackedCurve> curves;
   AxisMap map;  ///< of `curves`
   NearestPairs nearest;
+  std::optional<Removal> removal;  ///< of the raw part, where there is one
 };
 
+/// The raw part while the plan mills it; empty where the job has none, or nothing is milled.
+std::optional<Removal> RemovalOf(const JobInputs& inputs, const PlannedJob& job, const Timeline& timeline,
+                                 const Execution& execution);
+
 /// Works them out, or takes what they came to before. `full_map`: everything admissible is checked for it.
-ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, bool full_map,
-                            const CheckpointStore& checkpoints, const Execution& execution);
+ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, const Timeline& timeline,
+                            bool full_map, const CheckpointStore& checkpoints, const Execution& execution);
 
 }  // namespace millpose

@@ -111,8 +111,9 @@ Planned WritePlanned(const PlanArguments& arguments, const JobInputs& inputs, co
   if (arguments.face) face = PredictedFace(inputs, job, execution);
 
   stages.Begin("report", 0);
-  const ReportParts parts = MakeReportParts(inputs, job, arguments.full_axis_map, checkpoints, execution);
   const Timeline timeline = PlanTimeline(job.plan, inputs);
+  const ReportParts parts =
+      MakeReportParts(inputs, job, timeline, arguments.full_axis_map, checkpoints, execution);
   ResultSet& results = to.results();
   const ReportInputs report = WriteResults({inputs,
                                             job.prepared.cell,

@@ -264,7 +264,8 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
                   report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
                   report.times, &*report.fixed, &results.parts.map, &results.timeline, &results.parts.nearest,
                   &*report.lost_motion, &*report.budget, report.face ? &*report.face : nullptr,
-                  results.language, results.inputs.job.operation}));
+                  results.parts.removal ? &*results.parts.removal : nullptr, results.language,
+                  results.inputs.job.operation}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);

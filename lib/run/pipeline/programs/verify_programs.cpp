@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/programs/verify_programs.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
@@ -61,6 +62,40 @@ nlohmann::ordered_json ButForJson(const std::optional<CornerBound>& bound) {
           {"assumption", bound->assumption}};
 }
 
+bool Assumes(const VerifiedProgram& program, const std::string& assumption) {
+  return std::ranges::find(program.assumptions, assumption) != program.assumptions.end();
+}
+
+/// Of which programs an assumption is, where it is not of all: a controller's name stands for all of its own.
+std::string AssumedOf(const std::vector<VerifiedProgram>& programs, const std::string& assumption) {
+  std::vector<std::string> names;
+  for (const VerifiedProgram& program : programs) {
+    if (!Assumes(program, assumption)) continue;
+    const bool of_all = std::ranges::all_of(programs, [&](const VerifiedProgram& other) {
+      return other.controller != program.controller || Assumes(other, assumption);
+    });
+    const std::string name = of_all ? program.controller : program.file;
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// What was assumed of the programs, each said once: programs to start again with assume the same.
+std::string AssumedText(const std::vector<VerifiedProgram>& programs) {
+  std::string text;
+  std::vector<std::string> told;
+  for (const VerifiedProgram& program : programs)
+    for (const std::string& assumption : program.assumptions) {
+      if (std::ranges::find(told, assumption) != told.end()) continue;
+      told.push_back(assumption);
+      const bool of_all = std::ranges::all_of(
+          programs, [&](const VerifiedProgram& other) { return Assumes(other, assumption); });
+      text += fmt::format("  assumed{}: {}\n", of_all ? "" : " of " + AssumedOf(programs, assumption),
+                          assumption);
+    }
+  return text;
+}
+
 }  // namespace
 
 std::string VerifyText(const std::vector<VerifiedProgram>& programs) {
@@ -72,7 +107,6 @@ std::string VerifyText(const std::vector<VerifiedProgram>& programs) {
       text += fmt::format("  changed since they were written: {}\n", fmt::join(program.changed, ", "));
     if (program.but_for) text += "  not known: " + Describe(*program.but_for) + "\n";
     if (!program.scope.empty()) text += "  compared: " + program.scope + "\n";
-    for (const std::string& assumption : program.assumptions) text += "  assumed: " + assumption + "\n";
     for (const CauseGroup& group : GroupByCause(program.findings)) {
       text += fmt::format("  {}; what helps: {}\n", Describe(group), Cure(group.cause, program.controller));
       for (const Finding& finding : program.findings) {
@@ -81,7 +115,7 @@ std::string VerifyText(const std::vector<VerifiedProgram>& programs) {
       }
     }
   }
-  return text;
+  return text + AssumedText(programs);
 }
 
 std::string VerifyJson(const std::vector<VerifiedProgram>& programs) {

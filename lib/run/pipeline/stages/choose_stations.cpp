@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 
+#include "base/counted.hpp"
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "job/assemble.hpp"
@@ -165,7 +166,7 @@ StationChoices ChooseStations(const JobInputs& inputs, const Stations& stations,
     moves += courses.front().Moves();
   }
   execution.progress.End(fmt::format("{} stations looked at, {} changes{}", positions.size(), best.changes,
-                                     moves > 0 ? fmt::format(", axes move along {} passes", moves) : ""));
+                                     moves > 0 ? ", axes move along " + CountedPasses(moves) : ""));
   return choices;
 }
 

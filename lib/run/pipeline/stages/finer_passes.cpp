@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/stages/finer_passes.hpp"
 
+#include "base/counted.hpp"
 #include "job/assemble.hpp"
 #include "job/job_engagement.hpp"
 #include "planning/pass/large_steps.hpp"
@@ -122,12 +123,12 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
       prepared.toolpath.passes[i] = tried.passes[i];
       ++kept;
     }
-    execution.progress.End(fmt::format("{} points inserted in {} passes", inserted, kept));
+    execution.progress.End(fmt::format("{} points inserted in {}", inserted, CountedPasses(kept)));
     if (kept > 0)
       prepared.warnings.push_back(fmt::format(
-          "toolpath: {} points are inserted in {} passes, where steps of the joints between points laid {:g} "
+          "toolpath: {} points are inserted in {}, where steps of the joints between points laid {:g} "
           "mm apart were too large (toolpath.spacing_mm)",
-          inserted, kept, 2 * inputs.job.toolpath.spacing / parts));
+          inserted, CountedPasses(kept), 2 * inputs.job.toolpath.spacing / parts));
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/stages/lay_path.hpp"
 
+#include "base/counted.hpp"
 #include "job/job_engagement.hpp"
 #include "job/narrow_inputs.hpp"
 #include "store/cached_stage.hpp"
@@ -9,7 +10,7 @@ namespace millpose {
 namespace {
 
 std::string Outcome(const Toolpath& toolpath) {
-  return fmt::format("{} points in {} passes", CountPoints(toolpath), toolpath.passes.size());
+  return fmt::format("{} points in {}", CountPoints(toolpath), CountedPasses(toolpath.passes.size()));
 }
 
 std::string GougesOf(const LaidPathOfJob& laid) { return fmt::format("{} points", laid.made.gouges.points); }

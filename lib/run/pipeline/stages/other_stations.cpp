@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/stages/other_stations.hpp"
 
+#include "base/counted.hpp"
 #include "job/assemble.hpp"
 #include "planning/result/pass_value.hpp"
 #include "planning/result/skipped.hpp"
@@ -75,7 +76,7 @@ void PlanOtherStations(const JobInputs& inputs, PreparedJob& prepared, const Che
       ++moved;
     }
   }
-  if (tried > 0) execution.progress.End(fmt::format("{} passes moved to another station", moved));
+  if (tried > 0) execution.progress.End(fmt::format("{} moved to another station", CountedPasses(moved)));
 }
 
 }  // namespace millpose

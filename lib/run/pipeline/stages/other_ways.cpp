@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/stages/other_ways.hpp"
 
+#include "base/counted.hpp"
 #include "job/assemble.hpp"
 #include "planning/pass/nominal_plan.hpp"
 #include "run/pipeline/stages/promising_reversals.hpp"
@@ -28,7 +29,7 @@ class BestWays {
     execution_.progress.Begin("passes", PointsOf(wanted));
     PlannedPasses planned = PlanOf(prepared_.toolpath, wanted);
     execution_.progress.End(
-        fmt::format("{} passes, {} of them from checkpoints", planned.passes.size(), planned.resumed));
+        fmt::format("{}, {} from checkpoints", CountedPasses(planned.passes.size()), planned.resumed));
     if (free_) TurnBack(planned.passes);
     return planned;
   }
@@ -61,8 +62,8 @@ class BestWays {
       Transform(prepared_.stations.At(prepared_.external[i].from).world.cell().X_WP, pass);
       pass.rotation_reference = laid_.passes[i].rotation_reference;
     }
-    execution_.progress.End(
-        fmt::format("{} passes promise more from their other end", std::ranges::count(ways_.promising, 1)));
+    execution_.progress.End(fmt::format("more is promised by {} from the other end",
+                                        CountedPasses(std::ranges::count(ways_.promising, 1))));
   }
 
   /// Plans as they are laid those turned passes that could be better so, and keeps the better plan.
@@ -87,7 +88,7 @@ class BestWays {
         prepared_.turned[i] = 0;
       }
     }
-    execution_.progress.End(fmt::format("{} passes run the other way round", turned));
+    execution_.progress.End(fmt::format("{} run the other way round", CountedPasses(turned)));
   }
 
   PreparedJob& prepared_;

@@ -3,6 +3,7 @@
 
 #include <atomic>
 
+#include "base/counted.hpp"
 #include "base/parallel.hpp"
 #include "job/assemble.hpp"
 #include "job/job_engagement.hpp"
@@ -361,9 +362,9 @@ class FacesOfJob {
       ++turned;
     }
     execution_.progress.End(fmt::format(
-        "{} of {} pieces moved, {} passes turned round",
+        "{} of {} pieces moved, {} turned round",
         std::ranges::count_if(all, [](const FaceChoice& choice) { return choice.way != FaceWay::kPlanned; }),
-        all.size(), turned));
+        all.size(), CountedPasses(turned)));
     return all;
   }
 

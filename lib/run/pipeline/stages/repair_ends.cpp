@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/stages/repair_ends.hpp"
 
+#include "base/counted.hpp"
 #include "base/parallel.hpp"
 #include "planning/result/skipped.hpp"
 #include "planning/result/station.hpp"
@@ -59,7 +60,7 @@ void RepairEnds(const PassesWithEnds& of, PathOptions options, const RetractOpti
   const auto before = CachedInWorld<std::vector<EndLoss>>(checkpoints, of.stage, key, of.stations, losses_in);
   const auto stuck = [&](size_t i) { return before[i].reduced > 0; };
   const auto count = std::ranges::count_if(before, [](const EndLoss& loss) { return loss.reduced > 0; });
-  execution.progress.End(fmt::format("{} passes with an end near something", count));
+  execution.progress.End(fmt::format("{} with an end near something", CountedPasses(count)));
   if (count == 0) return;
   size_t points = 0, repaired = 0;
   for (size_t i = 0; i < passes.size(); ++i)
