@@ -17,7 +17,7 @@
 #include "job/config/measurements.hpp"
 #include "job/inputs.hpp"
 #include "machine/collision/world.hpp"
-#include "machine/identification/geometry_fit.hpp"
+#include "machine/identification/geometry_couplings.hpp"
 
 namespace millpose {
 namespace {
@@ -26,11 +26,10 @@ using Tree = nlohmann::ordered_json;
 constexpr double kWithin95 = 1.959963984540054;
 constexpr const char* kComponents[] = {"shift x", "shift y", "shift z", "turn x", "turn y", "turn z"};
 
-/// `law`: what the joints of the arm make of its controller's angles; the fit takes theirs.
-std::vector<TrackedPose> ReadSet(const std::string& file, size_t set, const JointLaw& law) {
+std::vector<TrackedPose> ReadSet(const std::string& file, size_t set) {
   std::vector<TrackedPose> poses;
   for (const TrackedRow& row : ParseTracked(ReadFile(file), file))
-    poses.push_back({law.At(row.joints), row.reflectors, set});
+    poses.push_back({row.joints, row.reflectors, set});
   if (poses.empty()) throw InputError({file}, "no readings; allowed: at least one row");
   return poses;
 }
@@ -50,8 +49,8 @@ double QuantileOf(std::vector<double> values, double share) {
   return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-Judged JudgeBy(const GeometryFit& fit, const std::string& file, const JointLaw& law) {
-  const std::vector<TrackedPose> poses = ReadSet(file, 0, law);
+Judged JudgeBy(const GeometryFit& fit, const std::string& file) {
+  const std::vector<TrackedPose> poses = ReadSet(file, 0);
   if (poses.front().reflectors.size() != fit.reflectors().size())
     throw InputError({file}, fmt::format("{} reflectors; allowed: {}, as in the readings that were fitted",
                                          poses.front().reflectors.size(), fit.reflectors().size()));
@@ -137,6 +136,8 @@ std::vector<DeviationPattern> PatternsOf(const GeometryFit& fit) {
       one.shifts.push_back(rounded(0, pattern.shift[frame]));
       one.turns.push_back(rounded(3, pattern.turn[frame]) / 1000);
     }
+    for (const JointCoupling& pair : pattern.law.couplings)
+      one.factors.push_back(std::stod(fmt::format("{:.10f}", pair.factor)) + 0.0);
   }
   return patterns;
 }
@@ -152,6 +153,10 @@ DeviationSettings DeviationsOf(const GeometryFit& fit, const GeometryWords& word
       const auto axis = static_cast<Eigen::Index>(component % 3);
       (component < 3 ? found.shifts : found.turns)[frame][axis] = component < 3 ? rounded : rounded / 1e3;
     }
+  for (size_t k = 0; k < fit.couplings().size(); ++k) {
+    const auto [joint, follows] = fit.couplings()[k];
+    found.couplings.push_back({joint, follows, Rounded(fit.Coupling(k).value, fit.Coupling(k).alone)});
+  }
   found.patterns = PatternsOf(fit);
   found.uncertainty = std::stod(fmt::format("{:.2g}", UncertaintyOf(fit)));
   std::vector<std::string> names;
@@ -195,9 +200,37 @@ std::vector<std::string> FindingsOf(const GeometryFit& fit) {
   return findings;
 }
 
-Tree ToJson(const GeometryFit& nominal, const GeometryFit& fit, const std::vector<std::string>& findings,
-            const std::vector<Judged>& judged, const std::vector<Joints>& proposed,
-            const GeometryWords& words) {
+std::string NameOf(const JointPair& pair) { return fmt::format("A{} with A{}", pair.joint, pair.follows); }
+
+Tree CouplingsJson(const CouplingModels& models) {
+  Tree tried = Tree::array();
+  for (const CouplingModel& model : models.tried) {
+    Tree couplings = Tree::array();
+    for (size_t k = 0; k < model.couplings.size(); ++k)
+      couplings.push_back({{"joints", NameOf(model.couplings[k])},
+                           {"factor", model.estimates[k].value},
+                           {"half_width_95", kWithin95 * model.estimates[k].deviation}});
+    tried.push_back({{"couplings", couplings},
+                     {"left_out_rms_mm", std::sqrt(model.mean_square)},
+                     {"left_out_mean_square_mm2", model.mean_square},
+                     {"standard_deviation_mm2", model.deviation}});
+  }
+  return {{"tried", tried}, {"least", models.least}, {"chosen", models.chosen}};
+}
+
+void PrintCouplings(const CouplingModels& models) {
+  const CouplingModel& chosen = models.tried[models.chosen];
+  for (size_t k = 0; k < chosen.couplings.size(); ++k)
+    fmt::print("coupling   {} by {:.6f} ±{:.6f}\n", NameOf(chosen.couplings[k]), chosen.estimates[k].value,
+               kWithin95 * chosen.estimates[k].deviation);
+  if (!chosen.couplings.empty())
+    fmt::print("poses are foretold to {:.4g} mm RMS with couplings, to {:.4g} without\n",
+               std::sqrt(chosen.mean_square), std::sqrt(models.tried[0].mean_square));
+}
+
+Tree ToJson(const GeometryFit& nominal, const GeometryFit& fit, const CouplingModels& couplings,
+            const std::vector<std::string>& findings, const std::vector<Judged>& judged,
+            const std::vector<Joints>& proposed, const GeometryWords& words) {
   Tree deviations = Tree::array(), sets = Tree::array(), foretold = Tree::array(), poses = Tree::array();
   for (size_t frame = 1; frame < 6; ++frame)
     for (size_t component = 0; component < 6; ++component) {
@@ -233,6 +266,7 @@ Tree ToJson(const GeometryFit& nominal, const GeometryFit& fit, const std::vecto
           {"determined_unknowns", fit.effective()},
           {"condition", fit.condition()},
           {"deviations", deviations},
+          {"couplings", CouplingsJson(couplings)},
           {"sets", sets},
           {"foretold", foretold},
           {"proposed_deg", poses},
@@ -294,10 +328,9 @@ int IdentifyGeometry(const GeometryWords& words) {
                        "--date: missing; needed with --write-cell: the day of the readings, year-month-day");
   }
   const Arm arm = MakeArm(cell.arm);
-  JointLaw law;  // as far as it is known of this arm
-  if (cell.arm.deviations && (words.serial.empty() || words.serial == cell.arm.serial))
-    law = MakeDeviations(*cell.arm.deviations).law;
   GeometryFitOptions options;
+  if (cell.arm.deviations && (words.serial.empty() || words.serial == cell.arm.serial))
+    options.law = MakeDeviations(*cell.arm.deviations).law;
   options.shift_prior = words.shift_prior;
   options.turn_prior = 1e-3 * words.turn_prior;
   if (words.weight) {
@@ -312,24 +345,28 @@ int IdentifyGeometry(const GeometryWords& words) {
   }
   std::vector<TrackedPose> poses;
   for (size_t set = 0; set < words.files.size(); ++set) {
-    const std::vector<TrackedPose> read = ReadSet(words.files[set], set, law);
+    const std::vector<TrackedPose> read = ReadSet(words.files[set], set);
     if (!poses.empty() && read.front().reflectors.size() != poses.front().reflectors.size())
       throw InputError({words.files[set]}, "another number of reflectors than in the first file");
     poses.insert(poses.end(), read.begin(), read.end());
   }
   GeometryFitOptions plain = options;
   plain.deviations = false;
-  const GeometryFit nominal(arm, poses, plain), fit(arm, poses, options);
+  const GeometryFit nominal(arm, poses, plain);
+  const CouplingModels couplings = TryCouplings(arm, poses, options, GeometryFit(arm, poses, options));
+  options.couplings = couplings.tried[couplings.chosen].couplings;
+  const GeometryFit fit(arm, poses, options);
   std::vector<Judged> judged;
-  for (const std::string& file : words.foretell) judged.push_back(JudgeBy(fit, file, law));
+  for (const std::string& file : words.foretell) judged.push_back(JudgeBy(fit, file));
   std::vector<Joints> proposed;
   if (words.propose > 0) proposed = Propose(fit, MakeCell(cell, meshes), words.propose);
   const std::vector<std::string> findings = FindingsOf(fit);
   if (!words.write_cell.empty() && findings.empty()) WriteCell(fit, cell.arm, words);
   if (words.json)
-    fmt::print("{}\n", ToJson(nominal, fit, findings, judged, proposed, words).dump(2));
+    fmt::print("{}\n", ToJson(nominal, fit, couplings, findings, judged, proposed, words).dump(2));
   else
     Print(nominal, fit, judged, proposed, words);
+  if (!words.json) PrintCouplings(couplings);
   if (!words.json)
     for (const std::string& finding : findings) fmt::print("finding    {}\n", finding);
   if (!words.write_cell.empty() && !findings.empty())

@@ -124,6 +124,9 @@ std::vector<ArmDeviations> MakePatterns(const DeviationSettings& settings) {
     ArmDeviations& made = patterns.emplace_back();
     std::ranges::copy(pattern.shifts, made.shift.begin());
     std::ranges::copy(pattern.turns, made.turn.begin());
+    for (size_t k = 0; k < pattern.factors.size(); ++k)
+      made.law.couplings.push_back(
+          {settings.couplings[k].joint, settings.couplings[k].follows, pattern.factors[k]});
   }
   return patterns;
 }

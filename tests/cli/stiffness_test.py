@@ -381,12 +381,14 @@ class Geometry(Answers):
         X = self.times(tracker or self.pose((3000, -800, 400), [(2, 1.9), (0, 0.2)]), X)
         return [sum(X[i][k] * reflector[k] for k in range(3)) + X[i][3] for i in range(3)]
 
-    def readings(self, path, poses, seed, noise, deviations):
+    def readings(self, path, poses, seed, noise, deviations, share=0):
+        """`share` of A2's angle that A3 turns by beside its own."""
         draw = random.Random(seed)
         lines = ["a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,x_mm,y_mm,z_mm"]
         for _ in range(poses):
             degrees = [draw.uniform(*limits) for limits in ((-60, 60), (-110, -30), (40, 120), (-150, 150), (20, 100), (-150, 150))]
-            place = [x + draw.gauss(0, noise) for x in self.reading(degrees, deviations, (70, -30, 190))]
+            turned = degrees[:2] + [degrees[2] + share * degrees[1]] + degrees[3:]
+            place = [x + draw.gauss(0, noise) for x in self.reading(turned, deviations, (70, -30, 190))]
             lines.append(",".join(f"{v:.9f}" for v in degrees + place))
         write(path, "\n".join(lines) + "\n")
 
@@ -427,6 +429,31 @@ class Geometry(Answers):
             # The same bytes, and again from what was written: the prior is the sheet, so nothing is added up.
             again = run("identify", seen, "--geometry", "--cell", cell, "--foretell", other, "--propose", 3, "--json")
             self.assertEqual(again.stdout, result.stdout)
+
+    def test_finds_a_joint_that_turns_with_another(self):
+        with tempfile.TemporaryDirectory() as folder:
+            seen, other, cell = (os.path.join(folder, name) for name in ("seen.csv", "other.csv", "cell.yaml"))
+            shutil.copy(self.CELL, cell)
+            deviations, share = self.drawn(4), 6e-4
+            self.readings(seen, 60, 5, 0.03, deviations, share)
+            self.readings(other, 200, 6, 0.03, deviations, share)
+            result = run("identify", seen, "--geometry", "--cell", cell, "--foretell", other, "--json", "--write-cell", cell,
+                         "--serial", "882134", "--date", "2026-11-26")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            found = json.loads(result.stdout)
+            models = found["couplings"]
+            (one,) = models["tried"][models["chosen"]]["couplings"]
+            self.assertEqual(one["joints"], "A3 with A2")
+            self.assertLess(abs(one["factor"] - share), 1.5 * one["half_width_95"])
+            self.assertLess(one["half_width_95"], 0.5 * share)
+            self.assertLess(found["foretold"][0]["rms_mm"], 0.08)
+            self.assertIn("couplings: [{", read(cell))
+            self.assertIn("factors: [", read(cell))
+            # What is known now is not looked for again, and the readings are taken at the angles that it makes.
+            again = run("identify", seen, "--geometry", "--cell", cell, "--foretell", other, "--json", "--serial", "882134")
+            self.assertEqual(again.returncode, 0, again.stderr)
+            self.assertEqual(json.loads(again.stdout)["couplings"]["chosen"], 0)
+            self.assertLess(json.loads(again.stdout)["foretold"][0]["rms_mm"], 0.08)
 
     def test_readings_of_another_arm_are_findings_and_leave_the_cell_alone(self):
         with tempfile.TemporaryDirectory() as folder:

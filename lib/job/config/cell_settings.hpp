@@ -57,6 +57,7 @@ struct GearErrorSettings {
 /// One way in which all frames may still be off together, by its standard deviation.
 struct DeviationPattern {
   std::vector<Eigen::Vector3d> shifts, turns;  ///< of the frames 0 to 6; mm, rad
+  std::vector<double> factors;                 ///< of the couplings in their order; empty: they are known
 };
 
 /// How one arm differs from its sheet (docs/arm-deviations.md, docs/gear-table.md).

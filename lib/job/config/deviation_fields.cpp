@@ -74,6 +74,10 @@ Codec<DeviationPattern> PatternFields() {
               .Required(),
           Key<S>("turns_mrad", MILLPOSE_AT(turns), ListOf(Numbers3(kMrad, Between(-100, 100))), "Likewise.")
               .Required(),
+          Key<S>("factors", MILLPOSE_AT(factors), ListOf(Real(kOne, Between(-0.1, 0.1))),
+                 "Likewise of `couplings`, in their order.")
+              .WhenSet([](const S& s) { return !s.factors.empty(); })
+              .DefaultText("0: these are known"),
       },
       [](const Value& value, const Context& context, S& s) {
         CheckRows(value, context, "shifts_mm", s.shifts);
@@ -87,6 +91,21 @@ void CheckFrames(const Value& value, const Context& context, DeviationSettings& 
   CheckRows(value, context, "turns_mrad", s.turns);
   for (std::vector<Eigen::Vector3d>* rows : {&s.shifts, &s.turns})
     if (rows->empty()) rows->assign(7, Eigen::Vector3d::Zero());
+}
+
+/// As many as there are couplings, or none.
+void CheckFactors(const Value& value, const Context& context, const DeviationSettings& s) {
+  for (size_t i = 0; i < s.patterns.size(); ++i) {
+    const size_t given = s.patterns[i].factors.size();
+    if (given == 0 || given == s.couplings.size()) continue;
+    const Value& pattern = value.Find("patterns")->items[i];
+    context.Child("patterns")
+        .Child(i)
+        .Child("factors")
+        .Add(pattern.FindKey("factors")->mark,
+             fmt::format("given {} numbers; allowed: {}, as arm.deviations.couplings has entries", given,
+                         s.couplings.size()));
+  }
 }
 
 /// No two entries of one kind, and nothing that is no gear's.
@@ -173,6 +192,7 @@ Codec<DeviationSettings> DeviationFields() {
       },
       [](const Value& value, const Context& context, S& s) {
         CheckFrames(value, context, s);
+        CheckFactors(value, context, s);
         CheckLaw(value, context, s);
         if (const auto* given = value.FindKey("date"); given && !IsDate(s.date))
           context.Child("date").Add(given->mark,

@@ -230,8 +230,11 @@ std::string ReplaceDeviations(const std::string& cell_yaml, const std::string& n
   DeviationSettings whole = deviations;
   const ArmSettings before = ParseCell(cell_yaml, name).arm;
   if (before.deviations && before.serial == serial) {
+    const std::vector<JointCoupling>& known = before.deviations->couplings;
     whole.gears = before.deviations->gears;
-    whole.couplings = before.deviations->couplings;
+    whole.couplings.insert(whole.couplings.begin(), known.begin(), known.end());
+    for (DeviationPattern& pattern : whole.patterns)
+      if (!pattern.factors.empty()) pattern.factors.insert(pattern.factors.begin(), known.size(), 0);
   }
   std::string text = config::WithKey(cell_yaml, name, "arm", "deviations",
                                      config::WriteYamlLine(config::DeviationFields().write(whole)));

@@ -62,8 +62,8 @@ struct TrackedRow {
 /// of up to four.
 std::vector<TrackedRow> ParseTracked(std::string_view csv, const std::string& name);
 
-/// A cell's YAML text with `arm.deviations` and `arm.serial`; everything else as it was, what the same arm's
-/// joints do as well (gears, couplings). Throws InputError
+/// A cell's YAML text with `arm.deviations` and `arm.serial`; everything else as it was. What the same arm's
+/// joints do (gears, couplings) stays as well, before the couplings of `deviations`. Throws InputError
 /// when a key is not written in one line, and where the cell would no longer be read.
 std::string ReplaceDeviations(const std::string& cell_yaml, const std::string& name,
                               const DeviationSettings& deviations, const std::string& serial);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "machine/identification/geometry_fit.hpp"
-
 #include <algorithm>
 
 #include "base/decompositions.hpp"
 #include "base/error.hpp"
+#include "machine/identification/geometry_point.hpp"
 #include "machine/motion/rotation_vector.hpp"
 
 namespace millpose {
@@ -13,65 +12,19 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+using geometry_fit::Aligned;
+using geometry_fit::Cross;
+using geometry_fit::kCount;
+using geometry_fit::kLookedFor;
+using geometry_fit::kOfBase;
+using geometry_fit::kOfFrame;
+using geometry_fit::kOfReflector;
 
 namespace {
 
 constexpr double kReflectorPrior = 1000;  // mm, about the flange's centre
-constexpr Eigen::Index kOfBase = 6, kOfReflector = 3, kOfFrame = 6, kFrames = 5;
-/// Of the 30 numbers of frames 1 to 5 those that are looked for: shift along and turn about joint 1's axis
-/// are the base's, along and about joint 6's the reflectors'.
-constexpr std::array<Eigen::Index, 26> kLookedFor = {0,  1,  3,  4,  6,  7,  8,  9,  10, 11, 12, 13, 14,
-                                                     15, 16, 17, 18, 19, 20, 21, 22, 23, 25, 26, 28, 29};
-constexpr auto kCount = static_cast<Eigen::Index>(kLookedFor.size());
 
 double Square(double x) { return x * x; }
-
-Matrix3d Cross(const Vector3d& v) {
-  Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-/// The rigid motion that takes `from` to `to` with the least squares (Arun, Huang, Blostein 1987).
-Pose Aligned(const std::vector<Vector3d>& from, const std::vector<Vector3d>& to) {
-  Vector3d a = Vector3d::Zero(), b = Vector3d::Zero();
-  for (size_t i = 0; i < from.size(); ++i) a += from[i], b += to[i];
-  a /= static_cast<double>(from.size());
-  b /= static_cast<double>(from.size());
-  Matrix3d H = Matrix3d::Zero();
-  for (size_t i = 0; i < from.size(); ++i) H += (from[i] - a) * (to[i] - b).transpose();
-  const SingularTriples3 svd = SingularOf3(H);
-  Matrix3d flip = Matrix3d::Identity();
-  flip(2, 2) = (svd.V * svd.U.transpose()).determinant() < 0 ? -1 : 1;
-  Pose X = Pose::Identity();
-  X.linear() = svd.V * flip * svd.U.transpose();
-  X.translation() = b - X.linear() * a;
-  return X;
-}
-
-/// A point of the flange of the arm as it is, in B, and what moves it.
-struct Pointed {
-  Vector3d place;
-  Matrix3d by_reflector;                       ///< per mm of the point in F
-  Eigen::Matrix<double, 3, kCount> by_frames;  ///< per mm and rad of what is looked for
-};
-
-Pointed PointAt(const Arm& arm, const ArmDeviations& deviations, const Joints& q, const Vector3d& p_F) {
-  const std::array<Pose, 7> frames = TrueLinkFrames(arm, deviations, q);
-  const Pose X_BF = frames[6] * DeviationOf(deviations, 6);
-  Pointed point{X_BF * p_F, X_BF.linear(), {}};
-  Eigen::Matrix<double, 3, kOfFrame * kFrames> all;
-  for (Eigen::Index k = 0; k < kFrames; ++k) {
-    const Pose& frame = frames[static_cast<size_t>(k) + 1];
-    // A shift is one in the frame's axes; a turn, about the frame's place where its deviation has moved that.
-    const Vector3d arm_of = point.place - frame * deviations.shift[static_cast<size_t>(k) + 1];
-    all.block<3, 3>(0, kOfFrame * k) = frame.linear();
-    all.block<3, 3>(0, kOfFrame * k + 3) = -Cross(arm_of) * frame.linear();
-  }
-  for (Eigen::Index k = 0; k < kCount; ++k)
-    point.by_frames.col(k) = all.col(kLookedFor[static_cast<size_t>(k)]);
-  return point;
-}
 
 }  // namespace
 
@@ -89,21 +42,23 @@ class GeometryFitter {
     for (size_t i = 0; i < poses_.size(); ++i)
       for (size_t k = 0; k < poses_[i].reflectors.size(); ++k) seen_.push_back({i, k});
     first_reflector_ = kOfBase * static_cast<Eigen::Index>(sets);
-    first_frame_ = first_reflector_ + kOfReflector * static_cast<Eigen::Index>(reflectors);
+    first_coupling_ = first_reflector_ + kOfReflector * static_cast<Eigen::Index>(reflectors);
+    first_frame_ = first_coupling_;
+    if (fit_.options_.deviations) first_frame_ += static_cast<Eigen::Index>(fit_.options_.couplings.size());
     unknowns_ = first_frame_ + (fit_.options_.deviations ? kCount : 0);
     fit_.readings_ = seen_.size();
-    if (3 * static_cast<Eigen::Index>(seen_.size()) <= first_frame_)
+    if (3 * static_cast<Eigen::Index>(seen_.size()) <= first_coupling_)
       throw InputError(SourceLocation{},
                        fmt::format("{} readings; needed: more than {}, for where the base stands and the "
                                    "reflectors sit",
-                                   seen_.size(), first_frame_ / 3));
+                                   seen_.size(), first_coupling_ / 3));
   }
 
   void Run() {
     Begin();
     // First the nominal arm, then all of it; the level of the residuals says how much the prior weighs.
-    level_ = std::max(Settle(first_frame_), 1e-6);
-    if (unknowns_ > first_frame_)
+    level_ = std::max(Settle(first_coupling_), 1e-6);
+    if (unknowns_ > first_coupling_)
       for (int round = 0; round < 8; ++round) {
         Settle(unknowns_);
         level_ = std::max(Level(), 1e-9);
@@ -129,7 +84,7 @@ class GeometryFitter {
         for (const Seen& seen : seen_) {
           const TrackedPose& pose = poses_[seen.pose];
           if (pose.set != set) continue;
-          from.push_back(ForwardFlange(fit_.arm_, pose.q) * fit_.reflectors_[seen.reflector]);
+          from.push_back(TrueFlange(fit_.arm_, fit_.deviations_, pose.q) * fit_.reflectors_[seen.reflector]);
           to.push_back(pose.reflectors[seen.reflector]);
         }
         if (from.size() < 3)
@@ -144,7 +99,7 @@ class GeometryFitter {
       VectorXd b(A.rows());
       for (size_t i = 0; i < seen_.size(); ++i) {
         const TrackedPose& pose = poses_[seen_[i].pose];
-        const Pose X_BF = ForwardFlange(fit_.arm_, pose.q);
+        const Pose X_BF = TrueFlange(fit_.arm_, fit_.deviations_, pose.q);
         const auto row = 3 * static_cast<Eigen::Index>(i);
         const Matrix3d R = fit_.bases_[pose.set].linear();
         A.block<3, 3>(row, 3 * static_cast<Eigen::Index>(pose.set)) = Matrix3d::Identity();
@@ -168,16 +123,18 @@ class GeometryFitter {
 
   /// Standard deviation by what is known beforehand.
   double Prior(Eigen::Index unknown) const {
-    if (unknown < first_frame_) return kReflectorPrior;
+    if (unknown < first_coupling_) return kReflectorPrior;
+    if (unknown < first_frame_) return fit_.options_.coupling_prior;
     const Eigen::Index component = LookedFor(unknown) % kOfFrame;
     return component < 3 ? fit_.options_.shift_prior : fit_.options_.turn_prior;
   }
 
   double ValueOf(Eigen::Index unknown) const {
-    if (unknown < first_frame_) {
+    if (unknown < first_coupling_) {
       const Eigen::Index at = unknown - first_reflector_;
       return fit_.reflectors_[static_cast<size_t>(at / kOfReflector)][at % kOfReflector];
     }
+    if (unknown < first_frame_) return fit_.Looked(static_cast<size_t>(unknown - first_coupling_)).factor;
     const Eigen::Index at = LookedFor(unknown), component = at % kOfFrame;
     const auto frame = static_cast<size_t>(at / kOfFrame) + 1;
     return component < 3 ? fit_.deviations_.shift[frame][component]
@@ -200,7 +157,7 @@ class GeometryFitter {
       const TrackedPose& pose = poses_[seen_[i].pose];
       const Pose& X_TB = fit_.bases_[pose.set];
       const Matrix3d R = X_TB.linear();
-      Pointed point = PointAt(fit_.arm_, fit_.deviations_, pose.q, fit_.reflectors_[seen_[i].reflector]);
+      GeometryFit::Pointed point = fit_.PointAt(pose.q, fit_.reflectors_[seen_[i].reflector]);
       point.place += Sag(seen_[i]);
       const auto row = 3 * static_cast<Eigen::Index>(i);
       r.segment<3>(row) = X_TB * point.place - pose.reflectors[seen_[i].reflector];
@@ -209,7 +166,9 @@ class GeometryFitter {
       J.block<3, 3>(row, base + 3) = -Cross(R * (point.place - fit_.centres_[pose.set]));
       J.block<3, 3>(row, first_reflector_ + kOfReflector * static_cast<Eigen::Index>(seen_[i].reflector)) =
           R * point.by_reflector;
-      if (count > first_frame_) J.rightCols(kCount).middleRows<3>(row) = R * point.by_frames;
+      if (count == first_coupling_) continue;
+      J.block(row, first_coupling_, 3, point.by_couplings.cols()) = R * point.by_couplings;
+      J.rightCols(kCount).middleRows<3>(row) = R * point.by_frames;
     }
   }
 
@@ -230,6 +189,8 @@ class GeometryFitter {
     }
     for (size_t k = 0; k < fit_.reflectors_.size(); ++k)
       fit_.reflectors_[k] += x.segment<3>(first_reflector_ + kOfReflector * static_cast<Eigen::Index>(k));
+    for (Eigen::Index k = first_coupling_; k < std::min(first_frame_, x.size()); ++k)
+      fit_.Looked(static_cast<size_t>(k - first_coupling_)).factor += x[k];
     for (Eigen::Index k = first_frame_; k < x.size(); ++k) {
       const Eigen::Index at = LookedFor(k), component = at % kOfFrame;
       const auto frame = static_cast<size_t>(at / kOfFrame) + 1;
@@ -329,7 +290,9 @@ class GeometryFitter {
       const MatrixXd own = J.middleRows(row, rows);
       const MatrixXd left =
           MatrixXd::Identity(rows, rows) - own * fit_.covariance_ * own.transpose() / (level_ * level_);
-      square += SolveSymmetric(left, r.segment(row, rows)).squaredNorm();
+      const double of_pose = SolveSymmetric(left, r.segment(row, rows)).squaredNorm();
+      fit_.left_out_squares_.push_back(of_pose / static_cast<double>(end - i));
+      square += of_pose;
       i = end;
     }
     fit_.left_out_ = std::sqrt(square / static_cast<double>(seen_.size()));
@@ -338,7 +301,7 @@ class GeometryFitter {
   void Conditions(const MatrixXd& J) {
     std::vector<Eigen::Index> told;
     for (Eigen::Index k = 0; k < unknowns_; ++k)
-      if (k < first_frame_ || std::sqrt(fit_.covariance_(k, k)) < 0.5 * Prior(k)) told.push_back(k);
+      if (k < first_coupling_ || std::sqrt(fit_.covariance_(k, k)) < 0.5 * Prior(k)) told.push_back(k);
     MatrixXd columns(J.rows(), static_cast<Eigen::Index>(told.size()));
     for (size_t k = 0; k < told.size(); ++k)
       columns.col(static_cast<Eigen::Index>(k)) = J.col(told[k]).normalized();
@@ -349,14 +312,29 @@ class GeometryFitter {
   GeometryFit& fit_;
   const std::vector<TrackedPose>& poses_;
   std::vector<Seen> seen_;
-  Eigen::Index first_reflector_ = 0, first_frame_ = 0, unknowns_ = 0;
+  Eigen::Index first_reflector_ = 0, first_coupling_ = 0, first_frame_ = 0, unknowns_ = 0;
   double level_ = 1;
 };
 
 GeometryFit::GeometryFit(const Arm& arm, const std::vector<TrackedPose>& poses,
                          const GeometryFitOptions& options)
     : arm_(arm), options_(options) {
+  deviations_.law = options.law;
+  for (const JointPair& pair : options.couplings)
+    deviations_.law.couplings.push_back({pair.joint, pair.follows, 0});
   GeometryFitter(*this, poses).Run();
+}
+
+double GeometryFit::AloneAt(Eigen::Index unknown) const {
+  const Eigen::Index first = FirstCoupling(), count = covariance_.cols() - first;
+  const MatrixXd information =
+      SolveSymmetricFor(covariance_.bottomRightCorner(count, count), MatrixXd::Identity(count, count));
+  return 1 / std::sqrt(information(unknown - first, unknown - first));
+}
+
+DeviationEstimate GeometryFit::Coupling(size_t number) const {
+  const Eigen::Index at = FirstCoupling() + static_cast<Eigen::Index>(number);
+  return {Looked(number).factor, std::sqrt(covariance_(at, at)), options_.coupling_prior, AloneAt(at)};
 }
 
 DeviationEstimate GeometryFit::Estimate(size_t frame, size_t component) const {
@@ -364,77 +342,26 @@ DeviationEstimate GeometryFit::Estimate(size_t frame, size_t component) const {
   const auto found = std::ranges::find(
       kLookedFor, kOfFrame * static_cast<Eigen::Index>(frame - 1) + static_cast<Eigen::Index>(component));
   if (found == kLookedFor.end()) return {0, prior, prior, prior};
-  const Eigen::Index first = covariance_.cols() - kCount, at = first + (found - kLookedFor.begin());
-  const MatrixXd information =
-      SolveSymmetricFor(covariance_.bottomRightCorner(kCount, kCount), MatrixXd::Identity(kCount, kCount));
+  const Eigen::Index at = covariance_.cols() - kCount + (found - kLookedFor.begin());
   const auto axis = static_cast<Eigen::Index>(component % 3);
   return {component < 3 ? deviations_.shift[frame][axis] : deviations_.turn[frame][axis],
-          std::sqrt(covariance_(at, at)), prior, 1 / std::sqrt(information(at - first, at - first))};
-}
-
-GeometryFit::Foretold GeometryFit::Predict(const Joints& q, size_t reflector) const {
-  Pointed point = PointAt(arm_, deviations_, q, reflectors_[reflector]);
-  if (options_.sag) point.place += options_.sag(q, reflectors_[reflector]);
-  const Eigen::Index first = kOfBase * static_cast<Eigen::Index>(bases_.size());
-  const auto at = first + kOfReflector * static_cast<Eigen::Index>(reflector);
-  MatrixXd J = MatrixXd::Zero(3, covariance_.cols());
-  J.block<3, 3>(0, at) = point.by_reflector;
-  if (options_.deviations) J.rightCols(kCount) = point.by_frames;
-  return {point.place, J * covariance_ * J.transpose()};
-}
-
-MatrixXd GeometryFit::Rows(const Joints& q) const {
-  MatrixXd J = MatrixXd::Zero(3 * static_cast<Eigen::Index>(reflectors_.size()), covariance_.cols());
-  const Matrix3d R = bases_[0].linear();
-  const Eigen::Index first = kOfBase * static_cast<Eigen::Index>(bases_.size());
-  for (size_t k = 0; k < reflectors_.size(); ++k) {
-    const Pointed point = PointAt(arm_, deviations_, q, reflectors_[k]);
-    const auto row = 3 * static_cast<Eigen::Index>(k);
-    J.block<3, 3>(row, 0) = Matrix3d::Identity();
-    J.block<3, 3>(row, 3) = -Cross(R * (point.place - centres_[0]));
-    J.block<3, 3>(row, first + kOfReflector * static_cast<Eigen::Index>(k)) = R * point.by_reflector;
-    if (options_.deviations) J.rightCols(kCount).middleRows<3>(row) = R * point.by_frames;
-  }
-  return J;
-}
-
-std::vector<GeometryFit::Foretold> GeometryFit::PredictSet(const std::vector<TrackedPose>& poses) const {
-  const Eigen::Index first = kOfBase * static_cast<Eigen::Index>(bases_.size());
-  const auto rows = 3 * static_cast<Eigen::Index>(poses.size() * reflectors_.size());
-  std::vector<Foretold> foretold;
-  Vector3d centre = Vector3d::Zero();
-  MatrixXd J = MatrixXd::Zero(rows, covariance_.cols()), base(rows, kOfBase);
-  for (const TrackedPose& pose : poses)
-    for (size_t k = 0; k < reflectors_.size(); ++k) {
-      Pointed point = PointAt(arm_, deviations_, pose.q, reflectors_[k]);
-      if (options_.sag) point.place += options_.sag(pose.q, reflectors_[k]);
-      const auto row = 3 * static_cast<Eigen::Index>(foretold.size());
-      J.block<3, 3>(row, first + kOfReflector * static_cast<Eigen::Index>(k)) = point.by_reflector;
-      if (options_.deviations) J.rightCols(kCount).middleRows<3>(row) = point.by_frames;
-      foretold.push_back({point.place, Matrix3d::Zero()});
-      centre += 3 * point.place / static_cast<double>(rows);
-    }
-  for (size_t i = 0; i < foretold.size(); ++i)
-    base.middleRows<3>(3 * static_cast<Eigen::Index>(i)) << Matrix3d::Identity(),
-        -Cross(foretold[i].position - centre);
-  // What a base that is fitted to the readings takes up is no error of theirs.
-  J -= base * SolveSymmetricFor(base.transpose() * base, base.transpose() * J);
-  for (size_t i = 0; i < foretold.size(); ++i) {
-    const auto own = J.middleRows<3>(3 * static_cast<Eigen::Index>(i));
-    foretold[i].covariance = own * covariance_ * own.transpose();
-  }
-  return foretold;
+          std::sqrt(covariance_(at, at)), prior, AloneAt(at)};
 }
 
 namespace {
 
-ArmDeviations DeviationsFrom(const VectorXd& looked_for) {
+/// Of couplings, and of what is looked for in the frames.
+ArmDeviations DeviationsFrom(const std::vector<JointPair>& couplings, const VectorXd& values) {
   ArmDeviations deviations;
+  const auto first = static_cast<Eigen::Index>(couplings.size());
+  for (size_t k = 0; k < couplings.size(); ++k)
+    deviations.law.couplings.push_back(
+        {couplings[k].joint, couplings[k].follows, values[static_cast<Eigen::Index>(k)]});
   for (Eigen::Index k = 0; k < kCount; ++k) {
     const Eigen::Index number = kLookedFor[static_cast<size_t>(k)], component = number % kOfFrame;
     const auto frame = static_cast<size_t>(number / kOfFrame) + 1;
     (component < 3 ? deviations.shift[frame][component] : deviations.turn[frame][component - 3]) =
-        looked_for[k];
+        values[first + k];
   }
   return deviations;
 }
@@ -442,36 +369,12 @@ ArmDeviations DeviationsFrom(const VectorXd& looked_for) {
 }  // namespace
 
 std::vector<ArmDeviations> GeometryFit::Patterns() const {
-  const MatrixXd root = CholeskyOf(covariance_.bottomRightCorner(kCount, kCount));
+  const Eigen::Index count = kCount + static_cast<Eigen::Index>(options_.couplings.size());
+  const MatrixXd root = CholeskyOf(covariance_.bottomRightCorner(count, count));
   std::vector<ArmDeviations> patterns;
-  for (Eigen::Index k = 0; k < kCount; ++k) patterns.push_back(DeviationsFrom(root.col(k)));
+  for (Eigen::Index k = 0; k < count; ++k)
+    patterns.push_back(DeviationsFrom(options_.couplings, root.col(k)));
   return patterns;
-}
-
-double GeometryFit::Gain(const Joints& q) const {
-  const MatrixXd J = Rows(q);
-  const MatrixXd L = CholeskyOf(MatrixXd::Identity(J.rows(), J.rows()) +
-                                J * covariance_ * J.transpose() / (level_ * level_));
-  return Square(L.diagonal().prod());
-}
-
-void GeometryFit::Add(const Joints& q) {
-  const MatrixXd J = Rows(q), gain = covariance_ * J.transpose();
-  const MatrixXd S = level_ * level_ * MatrixXd::Identity(J.rows(), J.rows()) + J * gain;
-  covariance_ -= gain * SolvePositive(S, gain.transpose());
-}
-
-Pose FitBase(const GeometryFit& fit, const std::vector<TrackedPose>& poses) {
-  std::vector<Vector3d> from, to;
-  for (const TrackedPose& pose : poses)
-    for (size_t k = 0; k < pose.reflectors.size(); ++k) {
-      from.push_back(fit.Predict(pose.q, k).position);
-      to.push_back(pose.reflectors[k]);
-    }
-  if (from.size() < 3)
-    throw InputError(SourceLocation{},
-                     fmt::format("{} readings; needed for a base: at least 3", from.size()));
-  return Aligned(from, to);
 }
 
 }  // namespace millpose

@@ -17,10 +17,21 @@ struct TrackedPose {
   size_t set = 0;                           ///< poses of one set were seen without moving the tracker
 };
 
+/// Joint `joint` (1 to 6) turns beside its own angle by a share of that of `follows`.
+struct JointPair {
+  int joint = 0, follows = 0;
+
+  bool operator==(const JointPair&) const = default;
+};
+
 struct GeometryFitOptions {
   double shift_prior = 1;    ///< mm, standard deviation of each shift by the maker's sheet
   double turn_prior = 3e-3;  ///< rad, of each turn
   bool deviations = true;    ///< false: the nominal arm, its base and the reflectors alone
+  JointLaw law = {};         ///< of the joints, as far as it is known
+  /// Whose factors are looked for beside the deviations; none that `law` has.
+  std::vector<JointPair> couplings = {};
+  double coupling_prior = 2e-3;  ///< of each factor
   /// By how much the arm's weight moves a point of the flange (in F, mm) in a pose, in B, mm; empty: it does
   /// not.
   std::function<Eigen::Vector3d(const Joints& q, const Eigen::Vector3d& p_F)> sag = {};
@@ -39,9 +50,9 @@ struct DeviationEstimate {
   bool told() const { return deviation < 0.5 * prior; }
 };
 
-/// Unknowns: the robot's base in the tracker's frame for each set, each reflector in the flange, and shift
-/// and turn of frames 1 to 5. Frame 0 is the base and frame 6 carries the reflectors: nothing tells their
-/// deviations from those.
+/// Unknowns: the robot's base in the tracker's frame for each set, each reflector in the flange, the
+/// couplings' factors, and shift and turn of frames 1 to 5. Frame 0 is the base and frame 6 carries the
+/// reflectors: nothing tells their deviations from those.
 class GeometryFit {
  public:
   /// Least squares of the readings together with the prior (Gauss and Newton's, damped), at the level of the
@@ -49,7 +60,11 @@ class GeometryFit {
   /// need, and where no start comes near.
   GeometryFit(const Arm& arm, const std::vector<TrackedPose>& poses, const GeometryFitOptions& options);
 
+  /// Their law is the one that is known, followed by the couplings that were looked for.
   const ArmDeviations& deviations() const { return deviations_; }
+  const std::vector<JointPair>& couplings() const { return options_.couplings; }
+  /// Of couplings().
+  DeviationEstimate Coupling(size_t number) const;
   /// Of frame 1 to 5, components shift x, y, z, turn x, y, z.
   DeviationEstimate Estimate(size_t frame, size_t component) const;
   const std::vector<Pose>& bases() const { return bases_; }  ///< X of each set's base in the tracker's frame
@@ -59,6 +74,8 @@ class GeometryFit {
   double rms() const { return rms_; }
   double RmsOf(size_t set) const { return rms_of_set_[set]; }
   double left_out() const { return left_out_; }
+  /// mm², mean over the reflectors, of each pose as the others foretell it.
+  const std::vector<double>& left_out_squares() const { return left_out_squares_; }
   double level() const { return level_; }  ///< mm, standard deviation of one coordinate
   size_t readings() const { return readings_; }
   /// Unknowns that the readings, not the prior, determine.
@@ -78,10 +95,10 @@ class GeometryFit {
   /// the covariances.
   std::vector<Foretold> PredictSet(const std::vector<TrackedPose>& poses) const;
 
-  /// In which ways the frames may still be off together: independent ones, each as far as its standard
-  /// deviation, whose squares sum up to the covariance. Shifts and turns beside deviations(). None is left
-  /// out for being small: on a face that the arm reaches in one posture, what is large elsewhere is taken up
-  /// by the part's frame.
+  /// In which ways frames and couplings may still be off together: independent ones, each as far as its
+  /// standard deviation, whose squares sum up to the covariance. Shifts, turns and factors beside
+  /// deviations(). None is left out for being small: on a face that the arm reaches in one posture, what is
+  /// large elsewhere is taken up by the part's frame.
   std::vector<ArmDeviations> Patterns() const;
 
   /// By how much the readings of a pose, with the tracker where the first set has it, would lessen what is
@@ -93,6 +110,16 @@ class GeometryFit {
  private:
   friend class GeometryFitter;
 
+  struct Pointed;
+  Pointed PointAt(const Joints& q, const Eigen::Vector3d& p_F) const;
+  Eigen::Index FirstCoupling() const;
+  /// The law's coupling that is looked for.
+  JointCoupling& Looked(size_t number);
+  const JointCoupling& Looked(size_t number) const;
+  /// Derivatives of where a reflector stands in B by all unknowns but the bases.
+  Eigen::MatrixXd RowsOf(const Pointed& point, size_t reflector) const;
+  /// Of a coupling or a deviation if all the others were known.
+  double AloneAt(Eigen::Index unknown) const;
   /// Derivatives of a pose's readings by all unknowns.
   Eigen::MatrixXd Rows(const Joints& q) const;
 
@@ -104,7 +131,7 @@ class GeometryFit {
   std::vector<Eigen::Vector3d> reflectors_;
   Eigen::MatrixXd covariance_;  ///< of all unknowns
   double rms_ = 0, left_out_ = 0, level_ = 0, effective_ = 0, condition_ = 1;
-  std::vector<double> rms_of_set_;
+  std::vector<double> rms_of_set_, left_out_squares_;
   size_t readings_ = 0;
 };
 

@@ -79,6 +79,8 @@ ArmDeviations Beside(ArmDeviations deviations, const ArmDeviations& pattern) {
     deviations.shift[i] += kSmallShare * pattern.shift[i];
     deviations.turn[i] += kSmallShare * pattern.turn[i];
   }
+  for (const JointCoupling& pair : pattern.law.couplings)
+    deviations.law.couplings.push_back({pair.joint, pair.follows, kSmallShare * pair.factor});
   return deviations;
 }
 

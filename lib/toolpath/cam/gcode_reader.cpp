@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "toolpath/cam/gcode_cutters.hpp"
 #include "toolpath/cam/gcode_cycle.hpp"
+#include "toolpath/cam/gcode_leftover.hpp"
 #include "toolpath/cam/gcode_words.hpp"
 #include "toolpath/cam/heidenhain.hpp"
 #include "toolpath/cam/word_tally.hpp"
@@ -13,6 +14,12 @@ namespace millpose {
 namespace {
 
 using Kind = GcodeWord::Kind;
+
+// "S1=", "M1=": of one spindle.
+bool IsOfOneSpindle(const std::string& address) {
+  return address.size() == 2 && (address[0] == 'S' || address[0] == 'M') && address[1] >= '0' &&
+         address[1] <= '9';
+}
 
 class GcodeReader {
  public:
@@ -219,12 +226,6 @@ class GcodeReader {
     }
   }
 
-  // "S1=", "M1=": of one spindle.
-  static bool IsOfOneSpindle(const std::string& address) {
-    return address.size() == 2 && (address[0] == 'S' || address[0] == 'M') && address[1] >= '0' &&
-           address[1] <= '9';
-  }
-
   void TakeSpeed(const GcodeWord& word) {
     const double value = value_of_(word);
     if (!(value >= 0)) throw InputError(word.place, "a spindle speed below 0");
@@ -325,37 +326,13 @@ class GcodeReader {
     }
     if (m != 128 && m != 129 && m != 428 && m != 429 && m != 430) return false;
     if (options_.tip_programming) return true;
-    throw InputError(place,
-                     fmt::format("M{} switches the machine's kinematics, and what it means is each machine's "
-                                 "own: state toolpath.cam.kinematics_codes, e.g. {{M{}: tip}}, or "
-                                 "toolpath.cam.tip_programming for the whole file",
-                                 m, m));
+    RefuseKinematics(m, place);
   }
 
-  // Numbers that no word of the block takes: they may mean what is not known here.
   void CheckNumbers(const GcodeMove& move) {
-    if (std::exchange(high_speed_, false)) CheckHighSpeed(move);
-    for (const auto& [letter, word] : move.parameters)
-      if (parameters_.find(letter) == std::string::npos) tally_.AddUnknown(word->address, word->place);
-    const bool arc = modes_.motion > 1 && !cycles_.active();
-    if (move.radius && !arc && !cycles_.active() && parameters_.find('R') == std::string::npos)
-      throw InputError(move.radius->place, "a radius without an arc");
-    if (move.turns && !arc) throw InputError(move.turns->place, "TURN without an arc");
-    for (const GcodeWord* word : move.centre)
-      if (word && !arc && !cycles_.active() && parameters_.find(word->address[0]) == std::string::npos)
-        throw InputError(word->place, word->address + " without an arc");
-    if (modes_.vector_in_ijk && modes_.motion > 1 && (move.HasLinear() || move.HasTurn()))
-      throw InputError(move.place, "arcs under G43.5 are not read");
-  }
-
-  // Fanuc's mode of high speed; LinuxCNC's G5 is a spline.
-  void CheckHighSpeed(const GcodeMove& move) {
     const GcodeWord* p = move.Parameter('P');
-    const double value = p ? value_of_(*p) : -1;
-    if ((value != 0 && value != 10000) || move.HasLinear() || move.HasCentre())
-      throw InputError(move.place,
-                       "G5 is a spline; as a mode of high speed only G5 P10000 and G5 P0 are read");
-    tally_.CountHarmless("G5");
+    if (std::exchange(high_speed_, false)) CheckHighSpeed(move, p ? value_of_(*p) : -1, tally_);
+    CheckLeftOver(move, modes_, cycles_.active(), parameters_, tally_);
   }
 
   void AddNotes() {
