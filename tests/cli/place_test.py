@@ -93,6 +93,8 @@ class Place(InFolder):
         self.assertNotIn("<script", page)
         self.assertEqual([name in page for name in ("<svg", ">robot base<", ">job's own</text>", ">best place</text>")], [True] * 4)
         self.assertEqual((page.count("<polygon"), page.count("<svg")), (2, 2))
+        own, best = (tuple(map(float, re.search(rf'<text x="([^"]+)" y="([^"]+)"[^>]*>{name}</text>', page).groups())) for name in ("job's own", "best place"))
+        self.assertTrue(abs(own[0] - best[0]) >= 100 or abs(own[1] - best[1]) >= 14, (own, best))  # no label on the other
 
     TINY = "placement:\n  x_mm: {from: 1700, to: 2300}\n  z_mm: {from: 700, to: 1500}\n  points: 2\n  places: %d\n  plans: %d\n  map_points: 2\n"
 

@@ -187,6 +187,17 @@ std::vector<Vector2d> Outline(const std::vector<Vector3d>& points, const Pose& X
   return outline;
 }
 
+/// Where a label may stand so that it covers none of `labels`, which gets it: higher, or lower where there is
+/// no room.
+Vector2d FreeLabel(Vector2d at, std::vector<Vector2d>& labels) {
+  constexpr double kWide = 100, kHigh = 14, kTop = 11;
+  for (const Vector2d& other : labels)
+    if (std::abs(at.x() - other.x()) < kWide && std::abs(at.y() - other.y()) < kHigh)
+      at.y() = other.y() - kHigh >= kTop ? other.y() - kHigh : other.y() + kHigh;
+  labels.push_back(at);
+  return at;
+}
+
 /// The robot's base, the part where the job has it and where it is best, and the sampled points.
 std::string ViewSvg(const FoundPlaces& placement, int u, int v, Language language) {
   struct Drawn {
@@ -248,6 +259,7 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v, Language languag
         "<text x=\"{2:.1f}\" y=\"{3:.1f}\" font-size=\"12\">{4}</text>",
         b.x(), b.y(), b.x() + 11, b.y() + 4, name);
   }
+  std::vector<Vector2d> labels;
   for (const Drawn& drawn : all) {
     std::string corners;
     Vector2d top(0, std::numeric_limits<double>::infinity());
@@ -256,11 +268,13 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v, Language languag
       corners += fmt::format("{:.1f},{:.1f} ", at.x(), at.y());
       if (at.y() < top.y()) top = at;
     }
+    const Vector2d label = FreeLabel(
+        {std::clamp(top.x(), 32.0, (upper.x() - lower.x()) * scale - 32), std::max(11.0, top.y() - 4)},
+        labels);
     svg += fmt::format(
         "<polygon points=\"{0}\" fill=\"{1}\" fill-opacity=\"0.15\" stroke=\"{1}\" stroke-width=\"1.5\"/>"
         "<text x=\"{2:.1f}\" y=\"{3:.1f}\" font-size=\"12\" text-anchor=\"middle\">{4}</text>",
-        corners, drawn.colour, std::clamp(top.x(), 32.0, (upper.x() - lower.x()) * scale - 32),
-        std::max(11.0, top.y() - 4), Escaped(drawn.name));
+        corners, drawn.colour, label.x(), label.y(), Escaped(drawn.name));
     for (const Vector2d& p : drawn.points) {
       const Vector2d at = to(p);
       svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"1.4\" fill=\"{}\"/>", at.x(), at.y(),

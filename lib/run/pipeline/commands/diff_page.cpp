@@ -21,6 +21,11 @@ tr.bad td { font-weight: 600; }
 section { break-inside: avoid; }
 table { table-layout: fixed; min-width: 580px; }
 th:first-child { width: 40%; }
+@media (max-width: 640px) {
+  table { min-width: 0; font-size: 12px; }
+  th, td { padding-left: 5px; padding-right: 5px; }
+  th.n, td.n { white-space: normal; }
+}
 @media print { .scroll { overflow: visible; } }
 )html";
 
