@@ -35,7 +35,7 @@ class OperationsReport(BrowserCase):
         report = (self.page.parent / "operations" / FOLDERS[number] / "report.html").as_uri()
         self.browser.wait("document.readyState === 'complete'")
         url, self.inside = self.in_frame(report)
-        self.assertEqual(self.browser.evaluate("millpose.data.job", **self.inside)[:-6], FOLDERS[number][3:])
+        self.assertEqual(self.browser.evaluate("millpose.data.job", **self.inside), FOLDERS[number][3:])
         self.assertEqual(self.js("document.querySelector('iframe').title"), FOLDERS[number][3:])
         selected = self.js(SELECTED)
         self.assertEqual([s[0] for s in selected], ["true" if i == number else "false" for i in range(len(FOLDERS))])
@@ -68,7 +68,7 @@ class OperationsReport(BrowserCase):
     def test_a_name_in_the_table_opens_the_report_itself(self):
         self.browser.click_on("tbody tr:nth-child(2) a")
         self.browser.wait("window.millpose && document.body.classList.contains('ready')")
-        self.assertEqual(self.js("millpose.data.job")[:-6], FOLDERS[1][3:])
+        self.assertEqual(self.js("millpose.data.job"), FOLDERS[1][3:])
 
     def test_fits_every_window_in_light_and_dark(self):
         grounds = set()
