@@ -10,66 +10,15 @@
 #include "report/html_columns.hpp"
 #include "report/packed.hpp"
 #include "report/samples/sample_curves.hpp"
-#include "tests/report/panel_plan.hpp"
+#include "tests/report/page_data.hpp"
 
 namespace millpose {
 namespace {
-
-using Json = nlohmann::json;
-
-const Panel& SmallPanel() {
-  static const Panel panel =
-      MakePanel({.passes = 4, .points = 20}, "</script><script>alert(1)</script> & \"ü\" \xff");
-  return panel;
-}
-const std::string& SmallPage() {
-  static const std::string page = ReportHtml(SmallPanel().Input());
-  return page;
-}
-
-/// The text between `open` and the next `close`.
-std::string Between(const std::string& text, const std::string& open, const std::string& close) {
-  const size_t from = text.find(open);
-  if (from == std::string::npos) return {};
-  const size_t start = from + open.size();
-  return text.substr(start, text.find(close, start) - start);
-}
-
-Json DataOf(const std::string& page) {
-  return Json::parse(Between(page, "<script type=\"application/json\" id=\"plan-data\">", "</script>"));
-}
 
 size_t Count(const std::string& text, const std::string& part) {
   size_t count = 0;
   for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++count;
   return count;
-}
-
-std::vector<uint8_t> Decoded(const std::string& text) {
-  static const std::string kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::vector<uint8_t> bytes;
-  uint32_t bits = 0;
-  int held = 0;
-  for (char c : text) {
-    if (c == '=') break;
-    bits = bits << 6 | static_cast<uint32_t>(kDigits.find(c));
-    held += 6;
-    if (held >= 8) bytes.push_back(static_cast<uint8_t>(bits >> (held -= 8)));
-  }
-  return bytes;
-}
-
-std::vector<float> Floats(const Json& text) {
-  const std::vector<uint8_t> bytes = Decoded(text.get<std::string>());
-  std::vector<float> values(bytes.size() / 4);
-  std::memcpy(values.data(), bytes.data(), 4 * values.size());
-  return values;
-}
-std::vector<uint32_t> Uint32s(const Json& text) {
-  const std::vector<uint8_t> bytes = Decoded(text.get<std::string>());
-  std::vector<uint32_t> values(bytes.size() / 4);
-  std::memcpy(values.data(), bytes.data(), 4 * values.size());
-  return values;
 }
 
 std::vector<float> ColumnValues(const Json& data, const std::string& key) {
@@ -158,42 +107,6 @@ TEST(ReportHtml, ATimelineOfAThinnedPlanKeepsToTheRowsShown) {
   EXPECT_GT(points, 90u);
   EXPECT_LT(points, 300u);
   EXPECT_FLOAT_EQ(Floats(data["timeline"]["time_s"]).back(), static_cast<float>(panel.timeline.back().time));
-}
-
-// The page's 16-bit steps are the spans to half a step, and what stands nowhere is told apart.
-TEST(ReportHtml, CarriesTheMaterialAsItFalls) {
-  Removal removal;
-  removal.along = 1, removal.spacing = 2, removal.rows = 1, removal.columns = 3, removal.volume = 5000;
-  removal.blank = {{-10, 50}, {0, -1}, {-10, 47.25}};
-  removal.part = {{-10, 12.5}, {0, -1}, {0, -1}};
-  removal.frames = {{1.5, 4000, 1}, {2.5, 3500, 1}};
-  removal.lines = {0, 2};
-  removal.ends = {{-10, 33.3}, {0, -1}};
-  HtmlInput input = SmallPanel().Input();
-  EXPECT_TRUE(DataOf(ReportHtml(input)).at("removal").is_null());
-  input.removal = &removal;
-  const Json json = DataOf(ReportHtml(input)).at("removal");
-  const double low = json.at("range_mm")[0], step = (json.at("range_mm")[1].get<double>() - low) / 65534;
-  const auto expect = [&](const char* key, const std::vector<Span>& spans) {
-    const std::vector<uint8_t> bytes = Decoded(json.at(key).get<std::string>());
-    ASSERT_EQ(bytes.size(), 4 * spans.size());
-    for (size_t i = 0; i < spans.size(); ++i) {
-      const auto at = [&](size_t k) { return bytes[4 * i + k] | bytes[4 * i + k + 1] << 8; };
-      if (spans[i].high < spans[i].low) {
-        EXPECT_EQ(at(0), 65535);
-        EXPECT_EQ(at(2), 0);
-        continue;
-      }
-      EXPECT_NEAR(low + step * at(0), spans[i].low, 0.51 * step);
-      EXPECT_NEAR(low + step * at(2), spans[i].high, 0.51 * step);
-    }
-  };
-  expect("blank", removal.blank);
-  expect("part", removal.part);
-  expect("ends", removal.ends);
-  EXPECT_EQ(json.at("cm3"), 5);
-  EXPECT_EQ(Decoded(json.at("changed").get<std::string>()), (std::vector<uint8_t>{1, 0, 0, 0, 1, 0, 0, 0}));
-  EXPECT_EQ(json.at("along"), 1);
 }
 
 TEST(ReportHtml, NamesTheNearestPairOfEveryPoint) {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "machine/identification/leave_one_out.hpp"
+#include "machine/identification/simplest_model.hpp"
 
 namespace millpose {
 namespace {
@@ -128,10 +129,7 @@ ComplianceModels TryModels(const Arm& arm, const std::vector<LoadCase>& cases,
   if (judge.poses() < kLeastPosesForModels || !springs.judged) return models;
   while (const std::optional<ComplianceModel> next = Next(judge, models.tried.back(), models.untold))
     models.tried.push_back(*next);
-  for (size_t i = 1; i < models.tried.size(); ++i)
-    if (models.tried[i].mean_square < models.tried[models.least].mean_square) models.least = i;
-  const ComplianceModel& least = models.tried[models.least];
-  while (models.tried[models.chosen].mean_square > least.mean_square + least.deviation) ++models.chosen;
+  ChooseSimplest(models);
   return models;
 }
 

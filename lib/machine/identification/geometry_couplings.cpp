@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "machine/identification/simplest_model.hpp"
+
 namespace millpose {
 namespace {
 
@@ -49,10 +51,7 @@ CouplingModels TryCouplings(const Arm& arm, const std::vector<TrackedPose>& pose
     if (!best) break;
     models.tried.push_back(*best);
   }
-  for (size_t i = 1; i < models.tried.size(); ++i)
-    if (models.tried[i].mean_square < models.tried[models.least].mean_square) models.least = i;
-  const CouplingModel& least = models.tried[models.least];
-  while (models.tried[models.chosen].mean_square > least.mean_square + least.deviation) ++models.chosen;
+  ChooseSimplest(models);
   return models;
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/trig.hpp"
 #include "planning/result/station.hpp"
+#include "report/html.hpp"
 #include "report/ros/cell_tree.hpp"
 #include "report/view_mesh.hpp"
 
@@ -43,9 +44,8 @@ std::vector<double> ColourOf(BodyClass body_class) {
 
 class GltfWriter {
  public:
-  GltfWriter(const Cell& cell, const RosNames& names, const PlanResult& plan, const Timeline& timeline,
-             const GltfLimits& limits)
-      : cell_(cell), names_(names), plan_(plan), timeline_(timeline), limits_(limits), tree_(cell, names) {}
+  GltfWriter(const Cell& cell, const RosNames& names, const PlanResult& plan, const Timeline& timeline)
+      : cell_(cell), names_(names), plan_(plan), timeline_(timeline), tree_(cell, names) {}
 
   std::string Write() {
     model_.asset.version = "2.0";
@@ -151,8 +151,9 @@ class GltfWriter {
   }
 
   void AddBody(const Body& body, const std::string& name) {
+    const HtmlLimits limits;
     const size_t most =
-        body.body_class == BodyClass::kWorkpiece ? limits_.workpiece_triangles : limits_.body_triangles;
+        body.body_class == BodyClass::kWorkpiece ? limits.workpiece_triangles : limits.body_triangles;
     const Triangles shape = ThinnedMesh(ViewMesh(body.shape), most);
     const auto [frame, X] = tree_.MountOf(body);
     const int node = AddNode(name, X);
@@ -268,7 +269,6 @@ class GltfWriter {
   const RosNames& names_;
   const PlanResult& plan_;
   const Timeline& timeline_;
-  const GltfLimits& limits_;
   CellTree tree_;
   tinygltf::Model model_;
   int root_ = 0;
@@ -278,8 +278,8 @@ class GltfWriter {
 }  // namespace
 
 std::string CellGltf(const Cell& cell, const RosNames& names, const PlanResult& plan,
-                     const Timeline& timeline, const GltfLimits& limits) {
-  return GltfWriter(cell, names, plan, timeline, limits).Write();
+                     const Timeline& timeline) {
+  return GltfWriter(cell, names, plan, timeline).Write();
 }
 
 }  // namespace millpose

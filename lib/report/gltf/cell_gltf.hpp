@@ -10,17 +10,11 @@
 
 namespace millpose {
 
-/// At most so many triangles of a body are kept; the workpiece has its own number.
-struct GltfLimits {
-  size_t workpiece_triangles = 60'000;
-  size_t body_triangles = 5'000;
-};
-
 /// The cell with its bodies, the path on the part, a line for each piece, and one animation "run" that moves
 /// the joints by `timeline`. Metres, y up, as glTF wants it: below the node that turns and scales all is W in
 /// mm. Nodes have the names of the URDF (`names`). A pure function of its input. Precondition: the cell's
-/// external axes stand at 0; `timeline` is not empty.
+/// external axes stand at 0; `timeline` is not empty. Bodies keep as many triangles as in report.html.
 std::string CellGltf(const Cell& cell, const RosNames& names, const PlanResult& plan,
-                     const Timeline& timeline, const GltfLimits& limits = {});
+                     const Timeline& timeline);
 
 }  // namespace millpose

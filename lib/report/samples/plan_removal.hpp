@@ -13,7 +13,7 @@ struct RawPart {
   Triangles blank;                            ///< its surface
   Triangles part;                             ///< that of the finished part
   const std::vector<CutsOfTool>& cut_before;  ///< what was taken off before the plan
-  double resolution = 0.5;                    ///< least distance of the lines
+  double resolution;                          ///< least distance of the lines
 };
 
 /// When a plan's run takes what off its raw part, on some 40,000 lines along the axis that the tool is

@@ -189,13 +189,20 @@ std::vector<Vector2d> Outline(const std::vector<Vector3d>& points, const Pose& X
 
 /// Where a label may stand so that it covers none of `labels`, which gets it: higher, or lower where there is
 /// no room.
-Vector2d FreeLabel(Vector2d at, std::vector<Vector2d>& labels) {
+Vector2d FreeLabel(const Vector2d& at, std::vector<Vector2d>& labels) {
   constexpr double kWide = 100, kHigh = 14, kTop = 11;
-  for (const Vector2d& other : labels)
-    if (std::abs(at.x() - other.x()) < kWide && std::abs(at.y() - other.y()) < kHigh)
-      at.y() = other.y() - kHigh >= kTop ? other.y() - kHigh : other.y() + kHigh;
-  labels.push_back(at);
-  return at;
+  const auto covers = [&](const Vector2d& label) {
+    return std::ranges::any_of(labels, [&](const Vector2d& other) {
+      return std::abs(label.x() - other.x()) < kWide && std::abs(label.y() - other.y()) < kHigh;
+    });
+  };
+  Vector2d label = at;
+  for (int row = 1; covers(label); ++row) {
+    label.y() = at.y() - row * kHigh;
+    if (label.y() < kTop || covers(label)) label.y() = at.y() + row * kHigh;
+  }
+  labels.push_back(label);
+  return label;
 }
 
 /// The robot's base, the part where the job has it and where it is best, and the sampled points.

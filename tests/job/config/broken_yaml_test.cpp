@@ -2,11 +2,11 @@
 // Every kind of slip in a job or cell file, with the exact place and the key that the message must name.
 #include <ctime>
 
-#include "base/error.hpp"
 #include "base/shown.hpp"
 #include "base/yaml/value.hpp"
 #include "job/config/config.hpp"
 #include "tests/job/config/cell_head.hpp"
+#include "tests/job/config/slip.hpp"
 
 namespace millpose {
 namespace {
@@ -38,34 +38,6 @@ const std::string kCell = std::string(kCellHead) + R"(  stack:
 bodies:
   - {name: base, class: link, mount: base, shape: {sphere: {diameter_mm: 900}}}
 )";
-
-struct Slip {
-  const char* from;  ///< text to replace
-  const char* to;
-  int line = 0, column = 0;
-  const char* message = "";  ///< beginning of the message
-};
-
-std::string Slipped(std::string text, const Slip& slip) {
-  const size_t at = text.find(slip.from);
-  EXPECT_NE(at, std::string::npos) << slip.from;
-  return text.replace(at, std::string_view(slip.from).size(), slip.to);
-}
-
-template <class Parse>
-void ExpectProblem(const Slip& slip, const std::string& text, Parse parse) {
-  try {
-    parse(text, "f.yaml");
-    ADD_FAILURE() << "accepted: " << slip.to;
-  } catch (const InputError& error) {
-    ASSERT_FALSE(error.problems().empty());
-    const Problem& problem = error.problems().front();
-    EXPECT_EQ(problem.place.line, slip.line) << slip.to << '\n' << error.what();
-    EXPECT_EQ(problem.place.column, slip.column) << slip.to << '\n' << error.what();
-    EXPECT_TRUE(problem.message.starts_with(slip.message)) << slip.to << '\n' << error.what();
-    EXPECT_EQ(error.problems().size(), 1u) << slip.to << '\n' << error.what();
-  }
-}
 
 const Slip kJobSlips[] = {
     {"programs:", "pose:\n  formulation: paper\n  objective: {name: isotropy}\nprograms:", 19, 3,

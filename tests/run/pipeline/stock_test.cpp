@@ -2,6 +2,8 @@
 // What stands of a job's raw part, and what hangs on the tool.
 #include <nlohmann/json.hpp>
 
+#include "job/assemble.hpp"
+#include "planning/standing/leave_in_stock.hpp"
 #include "run/pipeline/operations/run_job.hpp"
 #include "run/pipeline/outputs/report_parts.hpp"
 #include "run/pipeline/programs/plan_timeline.hpp"
@@ -61,6 +63,13 @@ TEST(StockOfAJob, IsWatchedWhileItGoes) {
   const auto first_cut = std::ranges::find(timeline, RunPart::kCut, &RunInstant::stretch);
   EXPECT_GE(removal->frames.front().time, std::prev(first_cut)->time);
   EXPECT_FALSE(RemovalOf(SmallInputs({}), job, timeline, {}));
+  // What operations before have taken off is not there from the beginning.
+  JobInputs later = inputs;
+  later.cut_before = {CutsOf(job.plan, MakeCutterShape(inputs.cell.tool))};
+  const auto nothing_left = RemovalOf(later, job, timeline, {.threads = 2});
+  ASSERT_TRUE(nothing_left);
+  EXPECT_NEAR(nothing_left->volume, removal->frames.back().volume, 1e-6 * removal->volume);
+  EXPECT_NEAR(nothing_left->frames.back().volume, nothing_left->volume, 1e-6 * removal->volume);
 }
 
 // 75 mm over the face: the holder would go down into it with the first point.
