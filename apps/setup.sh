@@ -77,7 +77,7 @@ millpose_setup() {
     millpose_run_logged "configuring" env -C "$top" cmake --preset "$preset"
   fi
   if ! millpose_up_to_date "$build" "$target"; then
-    echo "millpose: compiling the program; the first time takes about 10 minutes on two cores, later only what changed" >&2
+    echo "millpose: compiling the program; the first time takes about 15 minutes on two cores, later only what changed" >&2
     millpose_run_logged "building" millpose_build "$build" "$target"
   fi
   exec 9>&-
