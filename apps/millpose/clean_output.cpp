@@ -4,10 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 
 #include "base/utf8.hpp"
+#include "wrapped.hpp"
 
 namespace millpose {
 namespace {
@@ -45,14 +47,18 @@ bool WriteAll(int file, std::string_view bytes) {
 
 ssize_t WriteClean(void* cookie, const char* bytes, size_t count) {
   auto& target = *static_cast<Target*>(cookie);
-  return WriteAll(target.file, Cleaned({bytes, count}, target.rest)) ? static_cast<ssize_t>(count) : 0;
+  const std::string clean = ForTerminal(Cleaned({bytes, count}, target.rest), target.file);
+  return WriteAll(target.file, clean) ? static_cast<ssize_t>(count) : 0;
 }
 
+/// Text is written whole, so that no line comes in two pieces, of which neither would be too wide.
+using Buffer = std::array<char, 1 << 18>;
+
 /// A stream to the target; the plain one where there is no memory for it.
-FILE* StreamTo(Target& target, FILE* plain, int buffering) {
+FILE* StreamTo(Target& target, FILE* plain, int buffering, Buffer& buffer) {
   FILE* stream = ::fopencookie(&target, "w", {nullptr, &WriteClean, nullptr, nullptr});
   if (!stream) return plain;
-  std::setvbuf(stream, nullptr, buffering, BUFSIZ);
+  std::setvbuf(stream, buffer.data(), buffering, buffer.size());
   return stream;
 }
 
@@ -77,8 +83,9 @@ std::string Cleaned(std::string_view text, std::string& rest) {
 
 void CleanOutput() {
   static Target out{STDOUT_FILENO}, error{STDERR_FILENO};
-  stdout = StreamTo(out, stdout, ::isatty(STDOUT_FILENO) != 0 ? _IOLBF : _IOFBF);
-  stderr = StreamTo(error, stderr, _IOLBF);
+  static Buffer out_buffer, error_buffer;
+  stdout = StreamTo(out, stdout, ::isatty(STDOUT_FILENO) != 0 ? _IOLBF : _IOFBF, out_buffer);
+  stderr = StreamTo(error, stderr, _IOLBF, error_buffer);
 }
 
 void ClearLine() {

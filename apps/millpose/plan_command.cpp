@@ -8,15 +8,13 @@
 #include "commands.hpp"
 #include "job/first_run.hpp"
 #include "run/pipeline/operations/run_job.hpp"
-#include "wrapped.hpp"
 
 namespace millpose {
 namespace {
 
 int Plan(const PlanArguments& arguments, Session& session) {
   const PlanOutcome outcome = RunJob(arguments, session.progress, session.stop);
-  fmt::print("{}",
-             arguments.verbose ? outcome.text : ForTerminal(SayBrief(arguments.language, outcome.text)));
+  fmt::print("{}", arguments.verbose ? outcome.text : SayBrief(arguments.language, outcome.text));
   if (arguments.verbose)
     fmt::print("{}",
                FirstRunText(LoadOperations(arguments.job, arguments.overrides, arguments.root).front()));

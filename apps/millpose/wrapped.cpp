@@ -12,13 +12,30 @@
 namespace millpose {
 namespace {
 
-constexpr size_t kTextColumn = 11;  // where what a line says begins
+constexpr size_t kTextColumn = 11;  // where what a line says begins, unless two blanks show it
+constexpr size_t kLastTextColumn = 24;
 
-/// Of the terminal that stdout is, without the last: a line that fills it moves the cursor on.
-std::optional<size_t> OutputColumns() {
+/// Of the terminal that `file` is, without the last: a line that fills it moves the cursor on.
+std::optional<size_t> OutputColumns(int file) {
   winsize size{};
-  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col <= 2 * kTextColumn) return std::nullopt;
+  if (::ioctl(file, TIOCGWINSZ, &size) != 0 || size.ws_col <= 2 * kLastTextColumn) return std::nullopt;
   return size.ws_col - 1;
+}
+
+/// Where what the line says begins: behind its first word and the blanks that put the text into a column.
+size_t TextColumn(std::string_view line) {
+  const size_t word = std::min(line.find_first_not_of(' '), line.size());
+  const size_t gap = std::min(line.find("  ", word), line.size());
+  const size_t text = std::min(line.find_first_not_of(' ', gap), line.size());
+  const size_t column = ColumnsOf(line.substr(0, text));
+  return text < line.size() && column <= kLastTextColumn ? column : kTextColumn;
+}
+
+/// Of JSON, that somebody may copy.
+bool IsJson(std::string_view line) {
+  const size_t first = line.find_first_not_of(' ');
+  return first != std::string_view::npos &&
+         std::string_view("{}[]\"").find(line[first]) != std::string_view::npos;
 }
 
 /// One line, broken; `used` columns of the first are taken already, `indent` of those after it are blank.
@@ -52,16 +69,16 @@ std::string Wrapped(const std::string& text, size_t columns) {
   return wrapped;
 }
 
-std::string ForTerminal(const std::string& text) {
-  const std::optional<size_t> columns = OutputColumns();
+std::string ForTerminal(const std::string& text, int file) {
+  const std::optional<size_t> columns = OutputColumns(file);
   if (!columns) return text;
   std::string wrapped;
   for (const std::string_view line : LinesOf(text)) {
-    const size_t begin = std::min(line.find_first_not_of(' ', line.find(' ')), line.size());
-    const std::string_view label = line.substr(0, begin);
-    wrapped +=
-        std::string(label) + WrappedLine(line.substr(begin), *columns, ColumnsOf(label), kTextColumn) + '\n';
+    const bool fits = ColumnsOf(line) <= *columns || IsJson(line);
+    wrapped += fits ? std::string(line) : WrappedLine(line, *columns, 0, TextColumn(line));
+    wrapped += '\n';
   }
+  if (!text.ends_with('\n') && !wrapped.empty()) wrapped.pop_back();
   return wrapped;
 }
 

@@ -10,8 +10,9 @@ namespace millpose {
 /// Lines of at most `columns`, but for words that are longer; line feeds of the text stay.
 std::string Wrapped(const std::string& text, size_t columns);
 
-/// Lines that are a word in its column and what it says: what is wider than the terminal that stdout is goes
-/// on in the next line, under the same column. As it is where stdout is no terminal.
-std::string ForTerminal(const std::string& text);
+/// Text as the terminal that `file` is shows it: what is wider goes on in the next line, under the column in
+/// which the line's text begins. Lines of JSON stay; all do where `file` is no terminal or one of less than
+/// 50 columns.
+std::string ForTerminal(const std::string& text, int file);
 
 }  // namespace millpose

@@ -18,9 +18,10 @@ double ReachAt(const MotionProgram& program, const Motion& motion, const Corner&
 
 }  // namespace
 
-SpeedEstimate EstimateSpeed(const MotionProgram& program, const PathDynamics& dynamics) {
+SpeedEstimate EstimateSpeed(const MotionProgram& program, const PathDynamics& dynamics, double wanted) {
   SpeedEstimate estimate;
   const std::vector<Motion>& motions = program.motions;
+  const auto asked = [&](double feed) { return wanted > 0 ? std::min(feed, wanted) : feed; };
   const auto add = [&](SlowPlace place) {
     if (place.speed >= place.feed * (1 - kSlack)) return;
     estimate.lowest_share = std::min(estimate.lowest_share, place.speed / place.feed);
@@ -31,11 +32,11 @@ SpeedEstimate EstimateSpeed(const MotionProgram& program, const PathDynamics& dy
     if (motion.type != MotionType::kLinear || motion.feed <= 0) continue;
     const double length = (motion.X_PT.translation() - motions[i - 1].X_PT.translation()).norm();
     if (length < kNoLength) continue;
-    add({i, motion.feed, BlockSpeed(length, dynamics), true});
+    add({i, asked(motion.feed), BlockSpeed(length, dynamics), true});
     if (motion.exact || i + 1 == motions.size() || motions[i + 1].type != MotionType::kLinear) continue;
     const Corner corner = CornerBetween(motions[i - 1].X_PT, motion.X_PT, motions[i + 1].X_PT);
     if (corner.shorter < kNoLength) continue;
-    add({i, std::min(motion.feed, motions[i + 1].feed),
+    add({i, asked(std::min(motion.feed, motions[i + 1].feed)),
          CornerSpeed(corner, ReachAt(program, motion, corner), dynamics), false});
   }
   return estimate;

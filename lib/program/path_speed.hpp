@@ -23,7 +23,8 @@ struct SpeedEstimate {
 /// Estimates the speed along the cuts of a program as written: at every rounded corner and in every motion
 /// between. `blend` of the motions is a distance, or, where the program's blend_is_distance is false, how far
 /// the corner may be left (then `angle_blend` bounds the orientation; 0: nothing does). Planned stops, and
-/// how long the tool needs to reach its speed behind them, do not count.
-SpeedEstimate EstimateSpeed(const MotionProgram& program, const PathDynamics& dynamics);
+/// how long the tool needs to reach its speed behind them, do not count. Nothing faster than `wanted` (mm/s)
+/// is asked for; 0: the programmed feed.
+SpeedEstimate EstimateSpeed(const MotionProgram& program, const PathDynamics& dynamics, double wanted = 0);
 
 }  // namespace millpose

@@ -14,6 +14,8 @@ namespace {
 constexpr size_t kMostLines = 12;
 constexpr size_t kFindings = 3;  // told of more: two of them and how many follow
 
+constexpr double kMuchAir = 0.05;  // of the cutting time: less is not worth a word
+
 using Lines = std::vector<std::string>;
 
 std::string Line(const std::string& word, const std::string& text) {
@@ -78,7 +80,11 @@ void AddCycle(const ReportInputs& inputs, Lines& lines) {
   for (const ControllerTime& own : inputs.times)
     if (own.time.all.Total() > 0)
       parts.push_back(fmt::format("{} {}", ClockText(own.time.all.Total()), own.controller));
-  if (!parts.empty()) lines.push_back(Line("cycle", fmt::format("{}", fmt::join(parts, ", "))));
+  if (parts.empty()) return;
+  std::string text = fmt::format("{}", fmt::join(parts, ", "));
+  if (inputs.stock && inputs.stock->air.nothing > kMuchAir * inputs.stock->air.cuts)
+    text += "; " + AirText(inputs.stock->air);
+  lines.push_back(Line("cycle", text));
 }
 
 }  // namespace

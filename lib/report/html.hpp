@@ -10,6 +10,7 @@
 #include "planning/result/cycle_time.hpp"
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
+#include "planning/result/stock_figures.hpp"
 #include "planning/result/timeline.hpp"
 #include "report/budget.hpp"
 #include "report/deflection.hpp"
@@ -100,6 +101,7 @@ struct HtmlInput {
   const FaceReport* face = nullptr;               ///< where it was asked for
   const Removal* removal = nullptr;               ///< of the raw part, where there is one
   Language language = Language::kEnglish;         ///< in which it opens; its menu has all
+  const StockFigures* stock = nullptr;            ///< what is milled off it
   std::string operation = {};                     ///< its name, the title where the job lists several
 
   const std::string& Title() const { return operation.empty() ? plan.job : operation; }

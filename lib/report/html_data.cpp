@@ -275,6 +275,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"findings", input.findings},
             {"warnings", input.warnings},
             {"times", TimesJson(input)},
+            {"air", input.stock ? Json(AirText(input.stock->air)) : Json(nullptr)},
             {"deflection", DeflectionJson(input.deflection)},
             {"reversals", input.lost_motion ? Json(LostMotionText(plan, *input.lost_motion)) : Json(nullptr)},
             {"budget", BudgetRows(input.budget)},

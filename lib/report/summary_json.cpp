@@ -11,6 +11,7 @@
 #include "report/lifts_json.hpp"
 #include "report/lost_motion_json.hpp"
 #include "report/report.hpp"
+#include "report/stock_json.hpp"
 
 namespace millpose {
 namespace {
@@ -349,11 +350,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["audit"] = AuditJson(inputs.audit);
   json["deflection"] = DeflectionJson(inputs.deflection);
   if (inputs.registration) json["registration"] = RegistrationJson(*inputs.registration);
-  if (inputs.stock)
-    json["stock"] = {{"blank_cm3", inputs.stock->blank / 1e3},
-                     {"removed_cm3", inputs.stock->removed / 1e3},
-                     {"spacing_mm", inputs.stock->spacing},
-                     {"pieces_left_out", inputs.stock->left_out}};
+  if (inputs.stock) json["stock"] = StockJson(*inputs.stock);
   if (inputs.compensation) json["compensation"] = CompensationJson(*inputs.compensation);
   json["pose_steps"] = StepsJson(inputs.steps);
   json["fixed_rotation"] = FixedRotationJson(plan, inputs);

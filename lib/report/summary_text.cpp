@@ -177,6 +177,9 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
         size.memory > 0 ? fmt::format(", of {} kB (program_memory_kbytes)", size.memory / 1000) : "");
   for (const ControllerTime& program : inputs.times)
     fmt::format_to(out, "cycle      {} {}\n", program.controller, TimeText(program.time.all));
+  if (inputs.stock)
+    fmt::format_to(out, "stock      {:.1f} of {:.1f} cm3 milled off; {}\n", inputs.stock->removed / 1e3,
+                   inputs.stock->blank / 1e3, AirText(inputs.stock->air));
   for (const PathSpeed& speed : inputs.path_speeds)
     fmt::format_to(out, "speed      {}: estimated at no less than {:.0f} % of the feed along the cuts\n",
                    speed.controller, 100 * speed.lowest_share);

@@ -86,6 +86,9 @@ class Strategy {
   virtual bool IsPrescribed() const { return false; }
   /// Whether the force of milling a surface (process.cutting) says something of it.
   virtual bool HasMillingForce() const { return true; }
+  /// Whether points have the normal of an edge, along which the side of the cutter mills: then it does say
+  /// something where the material that stands is known (process.stock: mesh).
+  virtual bool MillsWithSide() const { return false; }
   /// Whether the tool cuts on its way in, so that the plunge feed is the feed of its cuts.
   virtual bool CutsAtPlungeFeed() const { return false; }
   /// Objective where the job names none; empty: that of all jobs.

@@ -354,6 +354,7 @@ class Keys(InFolder):
                                      "bottom_mm": 0.5})
         job["toolpath"]["tool_axis"] = {"rule": "fixed", "direction": [0, 0, 1]}
         job["workpiece"]["stock"] = {"box": {"lower_mm": [-40, -40, -40], "upper_mm": [40, 40, 3]}, "resolution_mm": 1}
+        cell["air_feed"] = {"feed_mm_min": 400, "margin_mm": 5.5, "longer_than_mm": 20.5}
         yield job, cell
 
         corners = ((-40, -40), (40, -40), (40, 40), (-40, 40))

@@ -61,6 +61,12 @@ class Register(InFolder):
     def register(self, *more):
         return run("register", self.job, "--probe", self.points, "--sd-mm", 0.02, "--tool-radius-mm", RADIUS, *more)
 
+    def test_a_part_that_is_turned_over_is_refused(self):
+        self.points.write_text(probed(10, 0.01))
+        found = run("register", TOP / "toolpaths" / "cabin_pocket" / "job.yaml", "--probe", self.points, "--sd-mm", 0.01, "--tool-radius-mm", RADIUS)
+        self.assertEqual((found.returncode, found.stdout), (2, ""))
+        self.assertIn("setups: the part stands in several ways, and the points tell of one; allowed: a job of one of them alone (back, face), with its pose as workpiece.pose", found.stderr)
+
     def test_writes_pose_and_covariance_and_nothing_else(self):
         self.points.write_text(probed(30, 0.02))
         before = self.job.read_text()

@@ -57,6 +57,17 @@ class Run(InFolder):
             whole = re.sub(r"\n {11}(?! )", " ", "\n".join(lines)).split("\n")
             self.assertEqual(whole, piped, columns)
 
+    def test_no_command_is_wider_than_a_terminal_and_json_stays(self):
+        for arguments in (("check", JOB), ("cells",), ("plan", "--help")):
+            piped = run(*arguments).stdout
+            lines = on_a_terminal(80, *arguments)
+            self.assertEqual([line for line in lines if len(line) >= 80 and len(line.split()) > 1], [], arguments)
+            self.assertEqual(" ".join(lines).split(), piped.split(), arguments)
+        # JSON may be copied: of the lines of its schema, which are longer, none is broken.
+        piped = run("schema", "job").stdout.splitlines()
+        self.assertGreater(max(map(len, piped)), 80)
+        self.assertEqual(on_a_terminal(80, "schema", "job"), piped)
+
     def test_whole_way_then_inspect(self):
         result = plan(self.folder / "out")
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -23,6 +23,49 @@ constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool IsContinuationByte(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
 
+bool IsQuote(char c) { return c == '"' || c == '\''; }
+
+// Behind the quoted text that begins at `from`; nothing where the line ends before it does.
+std::optional<size_t> EndOfQuoted(std::string_view line, size_t from) {
+  const char quote = line[from];
+  for (size_t i = from + 1; i < line.size(); ++i) {
+    if (quote == '"' && line[i] == '\\')
+      ++i;
+    else if (line[i] == quote && quote == '\'' && i + 1 < line.size() && line[i + 1] == quote)
+      ++i;  // '' is one ' of the text
+    else if (line[i] == quote)
+      return i + 1;
+  }
+  return std::nullopt;
+}
+
+// Whether a text may begin at `at`; within a word a quote is a character like others (5" pipe).
+bool BeginsText(std::string_view line, size_t at) {
+  const size_t before = line.find_last_not_of(' ', at == 0 ? std::string_view::npos : at - 1);
+  if (at == 0 || before == std::string_view::npos) return true;
+  if (line[before] == '[' || line[before] == '{' || line[before] == ',') return true;
+  return before + 1 < at && (line[before] == ':' || line[before] == '-' || line[before] == '?');
+}
+
+// Where a quoted text begins that does not end in this line.
+std::optional<size_t> OpenQuote(std::string_view line) {
+  for (size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '#' && (i == 0 || line[i - 1] == ' ')) return std::nullopt;
+    if (!IsQuote(line[i]) || !BeginsText(line, i)) continue;
+    const auto end = EndOfQuoted(line, i);
+    if (!end) return i;
+    i = *end - 1;
+  }
+  return std::nullopt;
+}
+
+// Whether the lines below that are indented deeper are text as they stand (`text: |`, `text: >-`).
+bool BeginsBlock(std::string_view line) {
+  const size_t last = line.find_last_not_of("+-0123456789 ");
+  return last != std::string_view::npos && last > 0 && (line[last] == '|' || line[last] == '>') &&
+         line[last - 1] == ' ';
+}
+
 // Knows the text's lines, so that columns can be counted in characters where yaml-cpp counts bytes.
 class Source {
  public:
@@ -35,6 +78,27 @@ class Source {
   Mark At(const YAML::Mark& mark) const {
     if (mark.is_null()) return {};
     return InLine(mark.line, mark.column);
+  }
+
+  // A quoted text ends in its line: a quote that somebody forgot would end at the next one, many lines below.
+  void RefuseOpenQuote(const YAML::Mark& mark) const {
+    const std::string_view line = Line(static_cast<size_t>(mark.line));
+    const auto column = static_cast<size_t>(mark.column);
+    if (column < line.size() && IsQuote(line[column]) && !EndOfQuoted(line, column))
+      FailOpenQuote(At(mark), line[column]);
+  }
+
+  // The same for a text that yaml-cpp gave up on in or before `last`: it tells where it stood, far below.
+  void RefuseOpenQuotesUpTo(const YAML::Mark& last) const {
+    std::optional<size_t> block_indent;
+    for (size_t i = 0; i < lines_.size() && static_cast<int>(i) <= last.line; ++i) {
+      const std::string_view line = Line(i);
+      const size_t indent = line.find_first_not_of(' ');
+      if (indent == std::string_view::npos || (block_indent && indent > *block_indent)) continue;
+      block_indent = BeginsBlock(line) ? std::optional(indent) : std::nullopt;
+      if (const auto column = OpenQuote(line))
+        FailOpenQuote(InLine(static_cast<int>(i), static_cast<int>(*column)), line[*column]);
+    }
   }
 
   [[noreturn]] void Fail(Mark mark, std::string message) const {
@@ -65,6 +129,19 @@ class Source {
   }
 
  private:
+  std::string_view Line(size_t line) const {
+    if (line >= lines_.size()) return {};
+    const size_t end = line + 1 < lines_.size() ? lines_[line + 1] - 1 : text_.size();
+    const std::string_view found = text_.substr(lines_[line], end - lines_[line]);
+    return found.ends_with('\r') ? found.substr(0, found.size() - 1) : found;
+  }
+
+  [[noreturn]] void FailOpenQuote(Mark mark, char quote) const {
+    Fail(mark, fmt::format("{0} is opened here and not closed in this line; allowed: text with {0} at both "
+                           "ends, in one line",
+                           quote));
+  }
+
   Mark InLine(int line, int byte) const {
     if (line < 0 || static_cast<size_t>(line) >= lines_.size()) return {line + 1, byte + 1};
     // A line may hold everything: what was counted for the place before is not counted again.
@@ -121,6 +198,7 @@ class TreeBuilder : public YAML::EventHandler {
                 const std::string& text) override {
     RefuseAnchor(mark, anchor);
     RefuseTag(mark, tag);
+    source_.RefuseOpenQuote(mark);
     Value value = tag == "!" ? Value::Text(text) : Value::Plain(text);
     value.mark = source_.At(mark);
     Add(std::move(value), false);
@@ -208,6 +286,7 @@ class TreeBuilder : public YAML::EventHandler {
 // In words of our own where yaml-cpp has only "end of sequence flow not found", which nobody can act upon.
 [[noreturn]] void FailUnreadable(const Source& source, const TreeBuilder& builder,
                                  const YAML::Exception& error) {
+  source.RefuseOpenQuotesUpTo(error.mark);
   const Mark found = source.At(error.mark);
   const bool unclosed =
       error.msg == YAML::ErrorMsg::END_OF_SEQ_FLOW || error.msg == YAML::ErrorMsg::END_OF_MAP_FLOW;

@@ -44,8 +44,8 @@ struct Value {
 
 /// Reads one YAML document. Throws InputError for what is not YAML and for what this project refuses:
 /// anchors, aliases, tags, merge keys, duplicate keys, keys that are no words, further documents, tabs in
-/// indentation, control characters, more than 32 levels, 500,000 keys and values
-/// or 4 MB.
+/// indentation, control characters, quoted text over several lines, more than 32 levels, 500,000 keys and
+/// values or 4 MB.
 Value ReadYaml(std::string_view text, const std::string& name);
 
 /// The tree as YAML block style; what fits into a line is written in one. Reads back to the same tree.

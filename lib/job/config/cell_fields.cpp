@@ -146,6 +146,20 @@ Codec<CellSettings> CheckedFields() {
   });
 }
 
+Codec<AirFeedSettings> AirFeedFields() {
+  using S = AirFeedSettings;
+  return Section<S>({
+      Key<S>("feed_mm_min", MILLPOSE_AT(feed), Real(kMmPerMin, Between(0.1, 2e5)),
+             "Feed there, as far as the axes can follow; cuts that are faster anyway stay as they are.")
+          .Required(),
+      Key<S>("margin_mm", MILLPOSE_AT(margin), Real(kMm, Between(1, 1000)),
+             "No material is nearer to the cutter; at least the way in which the arm slows down to the feed "
+             "of a cut."),
+      Key<S>("longer_than_mm", MILLPOSE_AT(longer_than), Real(kMm, UpTo(1e5)),
+             "Way in the air in one go; on shorter ones the feed stays."),
+  });
+}
+
 }  // namespace
 
 const Codec<CellSettings>& CellFields() {
@@ -190,6 +204,9 @@ const Codec<CellSettings>& CellFields() {
                             "Least distance of spindle and holder from the workpiece while cutting."),
                  }),
                  "Distances to keep."),
+          Key<S>("air_feed", MILLPOSE_AT(air_feed), Maybe(AirFeedFields()),
+                 "Faster along cuts where nothing of `workpiece.stock` is near (docs/stock.md); jobs without "
+                 "it run as ever."),
           Key<S>("stiffness", kSelf, StiffnessFields(), "How stiffness is evaluated."),
           KeyBy<S, bool>(
               "reproduction_only", [](const S& s) { return !s.programs_allowed; },

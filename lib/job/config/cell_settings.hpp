@@ -202,6 +202,13 @@ struct ExternalAxisSettings : ExternalAxis {
   std::string lost_motion_source;
 };
 
+/// Feed where no material of a job's raw part is near (docs/stock.md).
+struct AirFeedSettings {
+  double feed = 0;          ///< mm/s
+  double margin = 5;        ///< mm: what material keeps off the cutter there
+  double longer_than = 20;  ///< mm: of way in one go; shorter ones run at the feed of the cut
+};
+
 struct CellSettings {
   std::string file;  ///< as given, for messages
   std::string text;  ///< of the file, for the places of later errors
@@ -224,6 +231,7 @@ struct CellSettings {
   std::vector<int> unchecked_links;     ///< 0 (base) to 5: without a body on purpose
   std::vector<std::string> far_bodies;  ///< farther from their link than the arm is long, on purpose
   double clearance_free = 10, clearance_cutting = 2;  ///< mm
+  std::optional<AirFeedSettings> air_feed;
   StiffnessOrigin stiffness_at = StiffnessOrigin::kToolTip;
   double characteristic_length = 1000;          ///< mm
   std::vector<ComplianceSettings> compliances;  ///< beside the joints

@@ -66,14 +66,20 @@ void ChooseObjective(const Value& value, const Context& context, JobSettings& jo
   }
 }
 
-// The force of milling a surface is not that of a drill.
+// The force of milling a surface is not that of a drill; that of an edge follows from what stands there.
 void CheckCutting(const Value& value, const Context& context, const JobSettings& job) {
   const Value::Key* cutting = value.Find("process")->FindKey("cutting");
-  if (cutting && !job.toolpath.strategy->HasMillingForce())
-    context.Child("process").Child("cutting").Add(
-        cutting->mark,
-        fmt::format("has no effect here: the force of milling a surface is not that of strategy {}",
-                    job.toolpath.strategy->Name()));
+  const Strategy& strategy = *job.toolpath.strategy;
+  if (!cutting || strategy.HasMillingForce()) return;
+  const Context at = context.Child("process").Child("cutting");
+  if (!strategy.MillsWithSide())
+    at.Add(cutting->mark,
+           fmt::format("has no effect here: the force of milling a surface is not that of strategy {}",
+                       strategy.Name()));
+  else if (job.stock != Standing::kMesh || (job.cutting && job.cutting->side))
+    at.Add(cutting->mark, fmt::format("the force of strategy {} follows from the material that stands; "
+                                      "allowed: with process.stock: mesh, without a side",
+                                      strategy.Name()));
 }
 
 // What is known of the force must be followed by something, and what follows it must know it.

@@ -88,8 +88,8 @@ std::string YamlReference() {
       "Made from the field tables (CONTRIBUTING.md says where they stand) by `millpose schema "
       "reference`.\nNumbers are "
       "written like 1, 1.5 or 1e-5; file names are relative to the file that names them. Unknown and "
-      "duplicate\nkeys, anchors, aliases and tags are errors. What several places have alike stands once; "
-      "the others name it.\n";
+      "duplicate\nkeys, anchors, aliases, tags and quoted text over several lines are errors. What several "
+      "places have alike\nstands once; the others name it.\n";
   AddTable("Job", config::JobFields().keys, out);
   AddTable("Cell", config::CellFields().keys, out);
   AddTable("Tools file", config::ToolsFileFields().keys, out);

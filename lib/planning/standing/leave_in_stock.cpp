@@ -157,6 +157,22 @@ class PieceCheck {
 
 }  // namespace
 
+namespace {
+
+/// What the motions of a piece meet of the stock as it is at its beginning.
+void LookForAir(const AirCheck& check, const std::vector<ToolPlace>& cut, const StandingStock& stock,
+                const Execution& execution, std::vector<InAir>& air) {
+  std::vector<InAir> met(cut.size(), InAir::kCuts);
+  ParallelFor(cut.size(), execution.Threads(), execution.stop, [&](size_t i) {
+    if (i > 0) met[i] = check.Of({CutterAt(cut[i - 1]), CutterAt(cut[i]), 0}, stock);
+  });
+  const int first = cut.front().point;
+  for (size_t i = 1; i < cut.size(); ++i)
+    if (cut[i].point != first) air[static_cast<size_t>(cut[i].point)] = met[i];
+}
+
+}  // namespace
+
 CutsOfTool CutsOf(const PlanResult& plan, const CutterShape& cutter) {
   CutsOfTool cuts{cutter, {}};
   for (const PassResult& pass : plan.passes)
@@ -166,22 +182,27 @@ CutsOfTool CutsOf(const PlanResult& plan, const CutterShape& cutter) {
   return cuts;
 }
 
-StockFigures LeaveInStock(const Cell& cell, const CutterShape& cutter, StandingStock& stock,
-                          const Execution& execution, PlanResult& plan) {
-  StockFigures figures;
+LeftInStock LeaveInStock(const Cell& cell, const CutterShape& cutter, double air_margin, StandingStock& stock,
+                         const Execution& execution, PlanResult& plan) {
+  LeftInStock left;
+  StockFigures& figures = left.figures;
   figures.blank = stock.Volume();
   figures.spacing = stock.spacing();
   const double travel = std::max(stock.spacing(), cell.clearances.cutting);
   const ToolBodies bodies(cell, stock.spacing() * std::sqrt(0.5), travel);
   const PieceCheck check(bodies, cutter, travel, execution);
+  const AirCheck air(cutter, air_margin, stock.spacing());
   size_t gap = 0;
   for (PassResult& pass : plan.passes) {
+    left.air.emplace_back(pass.points.size(), InAir::kCuts);
     std::vector<std::pair<int, std::string>> met;
     for (const Segment& piece : pass.pieces) {
       const LinkMove* to = gap < plan.gaps.size() ? &plan.gaps[gap] : nullptr;
       const LinkMove* from = gap + 1 < plan.gaps.size() ? &plan.gaps[gap + 1] : nullptr;
       ++gap;
-      if (std::string why = check.Mill(Mill(plan, pass, piece, to, from), stock); !why.empty())
+      const MilledPiece milled = Mill(plan, pass, piece, to, from);
+      LookForAir(air, milled.cut, stock, execution, left.air.back());
+      if (std::string why = check.Mill(milled, stock); !why.empty())
         met.emplace_back(piece.piece, std::move(why));
       execution.progress.Advance(1);
     }
@@ -192,7 +213,7 @@ StockFigures LeaveInStock(const Cell& cell, const CutterShape& cutter, StandingS
     }
   }
   figures.removed = figures.blank - stock.Volume();
-  return figures;
+  return left;
 }
 
 }  // namespace millpose

@@ -5,7 +5,8 @@
 
   const COLOURS = { workpiece: 0xc9d0d6, link: 0x7f8b96, spindle: 0x4f6d8f, holder: 0x4f6d8f, cutter: 0xb03a2e, fixture: 0x8fa1ae, platform: 0xa9b4bc };
 
-  const LIGHT = 0.1;  // opacity of the arm
+  const LIGHT = 0.1;       // opacity of the arm
+  const LARGEST_PART = 2;  // of what is shown with its path, in the path's own size: a larger one leaves little of it to see
 
   const matrix = (rows) => new THREE.Matrix4().set(...rows);
 
@@ -175,12 +176,20 @@
       this.schedule();
     }
 
-    // Looks at the part from the side its points face, past the arm as it stands. Shows the path, or path and arm.
+    // The box of the part as it stands.
+    partBox() {
+      const box = new THREE.Box3();
+      for (const { mesh, body } of this.bodies) if (body.class === "workpiece") box.expandByObject(mesh);
+      return box;
+    }
+    // Looks at the part from the side its points face, past the arm as it stands. Shows path and part, or path and arm.
     fit(withArm) {
       const { rows, count } = this.data;
       const box = new THREE.Box3().setFromBufferAttribute(new THREE.BufferAttribute(rows.position, 3));
       const row = this.selected === undefined ? 0 : this.selected, joints = this.data.arm ? m.jointsOf(this.data, row) : null;
       const arm = joints ? m.armFrames(this.data, joints, m.baseAt(this.data, row)).map((frame) => new THREE.Vector3(frame[3], frame[7], frame[11])) : [];
+      const size = (of) => of.getBoundingSphere(new THREE.Sphere()).radius, part = this.partBox().union(box);
+      if (size(part) < LARGEST_PART * size(box)) box.copy(part);
       if (withArm) for (const place of arm) box.expandByPoint(place);
       const n = [0, 1, 2].map((k) => {
         let sum = 0;

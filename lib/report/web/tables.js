@@ -25,6 +25,7 @@
       document.getElementById("facts").append(node);
       document.getElementById("times").append(m.element("p", {}, `${time.controller}: h:min:s ${time.text}`));
     }
+    if (data.air) document.getElementById("times").append(m.element("p", {}, data.air));
     const thinned = [];
     if (c.shown < c.total) thinned.push(`${c.shown.toLocaleString("en")} of ${c.total.toLocaleString("en")} points are shown; the ends of all pieces and the worst points of every index are among them. All points stand in points.csv.`);
     for (const body of data.bodies)

@@ -27,13 +27,23 @@ section { background: var(--card); border: 1px solid var(--line); border-radius:
 .two section { flex: 1 1 340px; min-width: 0; }
 th, td { padding: 4px 8px; text-align: right; font-variant-numeric: tabular-nums; }
 th { white-space: normal; vertical-align: bottom; }
-th:first-child, td:first-child { text-align: left; }
+th:first-child, td:first-child { text-align: left; white-space: normal; }
 tr.best td { font-weight: 600; }
 svg { display: block; width: 100%; height: auto; }
 svg text { fill: var(--ink); }
 .legend { display: flex; flex-wrap: wrap; gap: 4px 14px; color: var(--muted); margin-top: 6px; }
 .legend i { display: inline-block; width: 12px; height: 12px; margin-right: 5px; vertical-align: -2px; border: 1px solid var(--line); }
 p { margin: 0 0 6px; color: var(--muted); }
+/* A place is a block of lines, head and figure, where its row would not fit. */
+@media (max-width: 900px) {
+  .plans thead { display: none; }
+  .plans table, .plans tbody, .plans td { display: block; }
+  .plans tr { display: grid; grid-template-columns: repeat(auto-fill, minmax(220px, 1fr)); gap: 0 28px; padding: 4px 0; border-bottom: 1px solid var(--line); }
+  .plans tr:last-child { border-bottom: 0; }
+  .plans td { display: flex; justify-content: space-between; gap: 12px; padding: 1px 0; border: 0; white-space: normal; }
+  .plans td:first-child { display: block; grid-column: 1 / -1; overflow-wrap: anywhere; }
+  .plans td::before { content: attr(data-head); color: var(--muted); font-weight: 400; }
+}
 )html";
 
 /// What a place that cannot be is drawn in; each differs from the others in brightness too.

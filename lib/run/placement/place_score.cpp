@@ -271,8 +271,8 @@ bool PlaceScorer::robot() const { return inputs_.front().job.placement->moves ==
 
 Mount PlaceScorer::Mover() const { return robot() ? Mount::kLink : Mount::kWorkpiece; }
 
-std::pair<Pose, Pose> PlaceScorer::PosesAt(const PoseSettings& place) const {
-  const Cell& cell = prepared_.front().cell;
+std::pair<Pose, Pose> PlaceScorer::PosesAt(const PoseSettings& place, size_t operation) const {
+  const Cell& cell = prepared_[operation].cell;
   if (robot()) {
     const Pose X_SB = MakePose(inputs_.front().cell.stated_base).inverse(Eigen::Isometry) * cell.X_WB;
     return {MakePose(place) * X_SB, cell.X_WP};
@@ -315,7 +315,7 @@ Samples PlaceScorer::SampleOf(const PathSection& share) const {
 }
 
 std::vector<ScoredPoint> PlaceScorer::Points(const PoseSettings& place, const Execution& execution) const {
-  const auto [X_WB, X_WP] = PosesAt(place);
+  const auto [X_WB, X_WP] = PosesAt(place, 0);
   const World world = prepared_.front().world.With(X_WB, X_WP);
   if (!Touches(X_WB, X_WP).empty() || Checker(world).Blocked(world.cell().home, Phase::kFree))
     return std::vector<ScoredPoint>(CountPoints(samples_.front()),
@@ -327,10 +327,12 @@ PlaceScore PlaceScorer::Score(const PoseSettings& place, const Samples& samples,
                               const Execution& execution) const {
   PlaceScore score;
   score.place = place;
-  const auto [X_WB, X_WP] = PosesAt(place);
-  score.touches = Touches(X_WB, X_WP);
+  for (size_t i = 0; i < prepared_.size() && score.touches.empty(); ++i)
+    score.touches = std::apply([&](const Pose& X_WB, const Pose& X_WP) { return Touches(X_WB, X_WP); },
+                               PosesAt(place, i));
   score.operations.resize(prepared_.size());
   for (size_t i = 0; i < prepared_.size(); ++i) {
+    const auto [X_WB, X_WP] = PosesAt(place, i);
     const World world = prepared_[i].world.With(X_WB, X_WP);
     if (score.touches.empty() && Checker(world).Blocked(world.cell().home, Phase::kFree))
       score.touches = "home";

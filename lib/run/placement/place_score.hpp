@@ -60,7 +60,8 @@ class PlaceScorer {
  private:
   bool robot() const;
   Mount Mover() const;
-  std::pair<Pose, Pose> PosesAt(const PoseSettings& place) const;  ///< X_WB, X_WP
+  /// X_WB, X_WP; where the robot moves the part stands as in the operation's own setup.
+  std::pair<Pose, Pose> PosesAt(const PoseSettings& place, size_t operation) const;
   std::string Touches(const Pose& X_WB, const Pose& X_WP) const;
   std::vector<ScoredPoint> ScorePoints(size_t operation, const Toolpath& sample, const World& world,
                                        const Execution& execution) const;

@@ -8,39 +8,51 @@
 namespace millpose {
 namespace {
 
-std::string TableCell(const std::optional<double>& value) {
-  return value ? fmt::format("<td>{:.3f}</td>", *value) : "<td>–</td>";
+std::string Number(const std::optional<double>& value, int decimals) {
+  return value ? fmt::format("{:.{}f}", *value, decimals) : "–";
 }
 
 std::string SaidHere(Language language, const std::string& english) {
   return Escaped(Say(language, english));
 }
 
-std::string Head(const FoundPlaces& placement, const char* first, Language language) {
-  std::string text = "<div class=\"scroll\"><table><thead><tr>";
+/// The heads of a row's cells behind its name.
+std::vector<std::string> Heads(const FoundPlaces& placement, Language language) {
+  std::vector<std::string> heads;
   for (const std::string& column :
-       {std::string(first), std::string("points"), std::string("gaps"),
-        fmt::format("worst {} ÷", placement.objective), std::string("median ÷"), std::string("worst |cF| ÷"),
-        std::string("worst |n'cF| ÷"), std::string("clearance, mm")})
-    text += "<th>" + SaidHere(language, column) + "</th>";
+       {std::string("points"), std::string("gaps"), fmt::format("worst {} ÷", placement.objective),
+        std::string("median ÷"), std::string("worst |cF| ÷"), std::string("worst |n'cF| ÷"),
+        std::string("clearance, mm")})
+    heads.push_back(SaidHere(language, column));
   for (const auto& [controller, seconds] : placement.plans.front().cycle)
-    text += "<th>" + Escaped(controller) + ", h:min:s</th>";
+    heads.push_back(Escaped(controller) + ", h:min:s");
+  return heads;
+}
+
+std::string Head(const FoundPlaces& placement, const char* first, Language language) {
+  std::string text =
+      "<div class=\"scroll plans\"><table><thead><tr><th>" + SaidHere(language, first) + "</th>";
+  for (const std::string& head : Heads(placement, language)) text += "<th>" + head + "</th>";
   return text + "</tr></thead><tbody>";
 }
 
-/// A plan's row; `name` is HTML.
+/// A plan's row; `name` is HTML. Each cell carries its head, which stands before it on a narrow page.
 std::string Row(const FoundPlaces& placement, const PlannedPlace& plan, const std::string& name, bool best,
                 Language language) {
   const PlannedPlace& own = placement.plans.front();
-  std::string text = fmt::format("<tr{}><td>{}</td><td>{}</td><td>{}</td>", best ? " class=\"best\"" : "",
-                                 name, SaidHere(language, fmt::format("{} of {}", plan.planned, plan.points)),
-                                 SaidHere(language, fmt::format("{} of {}", plan.gaps_planned, plan.gaps)));
-  text += TableCell(RatioOf(plan.worst, own.worst)) + TableCell(RatioOf(plan.median, own.median)) +
-          TableCell(RatioOf(plan.length, own.length)) + TableCell(RatioOf(plan.normal, own.normal));
-  text += plan.clearance ? fmt::format("<td>{:.1f}</td>", *plan.clearance) : "<td>–</td>";
+  std::vector<std::string> cells{SaidHere(language, fmt::format("{} of {}", plan.planned, plan.points)),
+                                 SaidHere(language, fmt::format("{} of {}", plan.gaps_planned, plan.gaps)),
+                                 Number(RatioOf(plan.worst, own.worst), 3),
+                                 Number(RatioOf(plan.median, own.median), 3),
+                                 Number(RatioOf(plan.length, own.length), 3),
+                                 Number(RatioOf(plan.normal, own.normal), 3),
+                                 Number(plan.clearance, 1)};
   for (const auto& [controller, seconds] : own.cycle)
-    text += plan.cycle.contains(controller) ? fmt::format("<td>{}</td>", ClockText(plan.cycle.at(controller)))
-                                            : "<td>–</td>";
+    cells.push_back(plan.cycle.contains(controller) ? ClockText(plan.cycle.at(controller)) : "–");
+  const std::vector<std::string> heads = Heads(placement, language);
+  std::string text = fmt::format("<tr{}><td>{}</td>", best ? " class=\"best\"" : "", name);
+  for (size_t i = 0; i < cells.size(); ++i)
+    text += fmt::format("<td data-head=\"{}\">{}</td>", heads[i], cells[i]);
   return text + "</tr>";
 }
 
@@ -72,9 +84,9 @@ std::string NearbyTable(const std::vector<Sensitivity>& sensitivity, Language la
   text += "</tr></thead><tbody>";
   for (const Sensitivity& one : sensitivity)
     text += fmt::format(
-        "<tr><td>{}</td><td>{:+g}</td><td>{}</td>{}</tr>", CoordinateLabel(one.coordinate), one.by,
+        "<tr><td>{}</td><td>{:+g}</td><td>{}</td><td>{}</td></tr>", CoordinateLabel(one.coordinate), one.by,
         SaidHere(language, fmt::format("{} of {}", one.rated.score.free(), one.rated.score.total())),
-        TableCell(one.rated.worst));
+        Number(one.rated.worst, 3));
   return text + "</tbody></table>";
 }
 

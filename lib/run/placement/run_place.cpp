@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "job/config/setup_names.hpp"
 #include "job/step_meshes.hpp"
 #include "run/pipeline/operations/done_operation.hpp"
 #include "run/pipeline/outputs/run_record.hpp"
@@ -245,6 +246,27 @@ void RefuseExternalAxes(const std::vector<JobInputs>& inputs) {
                        "external_axes: allowed in cells that millpose place looks for places in: none");
 }
 
+// A part that is turned over stands in no one place; the robot does, whatever the part does.
+void RefuseSetups(const PlaceArguments& arguments, const std::vector<JobInputs>& inputs) {
+  const std::vector<std::string> setups =
+      SetupNames(inputs.front().job_text, arguments.job.string(), arguments.overrides);
+  if (setups.empty() || setups.front().empty()) return;
+  const std::set<std::string> names(setups.begin(), setups.end());
+  const auto& placement = inputs.front().job.placement;
+  if (placement && placement->moves == PlaceMoves::kPart)
+    throw InputError({arguments.job.string()},
+                     fmt::format("setups: the part stands in each of them in its own way, and a place is "
+                                 "looked for for one; allowed: placement.moves: robot, or a job of one of "
+                                 "them alone ({}), with its pose as workpiece.pose",
+                                 fmt::join(names, ", ")));
+  for (size_t i = 0; i < inputs.size(); ++i)
+    if (placement && inputs[i].job.workpiece.frame == GivenFrame::kRobotBase)
+      throw InputError({arguments.job.string()},
+                       fmt::format("setups.{}.frame: robot_base, so that the part would go along with the "
+                                   "robot (placement.moves: robot); give its pose in the world",
+                                   setups[i]));
+}
+
 // Plans of earlier runs that this one has not made. One that somebody else works in just now stays until the
 // next run.
 void RemoveOtherPlans(const OutputFolder& folder, const FoundPlaces& found) {
@@ -270,6 +292,7 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
   Stages stages(progress);
   std::vector<JobInputs> inputs = LoadOperations(arguments.job, arguments.overrides, arguments.root);
   RefuseExternalAxes(inputs);
+  RefuseSetups(arguments, inputs);
   const PlaceSpace checked(inputs.front().job,
                            inputs.front().cell.stated_base);  // refuses before anything is written
   CheckStations(inputs);

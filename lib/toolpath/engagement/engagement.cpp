@@ -16,6 +16,10 @@ constexpr int kStepsOfDepth = 4;     // slices of a layer's depth
 constexpr int kProbes = 8;           // places around the cutter where higher material is looked for
 constexpr double kSlotShare = 0.95;  // of the diameter: a wider cut is a slot
 constexpr int kPeakSteps = 720;
+constexpr double kAcross = 0.1;  // cosine of normal and axis: below it the cutter mills with its side
+
+/// The edge of a contour has its normal across the tool's axis: depth then counts along the axis.
+bool MillsWithItsSide(const MillingPoint& point) { return point.normal.dot(point.tool_axis) < kAcross; }
 
 /// A point's cut as it is worked out.
 struct PointCut {
@@ -36,12 +40,15 @@ class Cutting {
       cut.arcs = EngagedArcs(cut.slices, cut.stance, Stated(point, cut.stance));
       return cut;
     }
-    const SweptPath::Near before = swept_.Before(number, point.position, point.normal);
+    const bool side = MillsWithItsSide(point);
+    const double length = options_.edge.cutter.length;
+    const SweptPath::Near before = swept_.Before(number, point.position, point.normal, side ? length : 0.0);
     const InMaterial stands = [&](const Vector3d& place) {
       // In this order: what was milled before costs less to ask than the stock.
       return !swept_.Removed(before, place) && options_.stock(place);
     };
-    cut.slices = Slices(point, HeightAt(point, cut.stance, stands));
+    cut.slices = side ? SliceEdge(options_.edge.cutter, length, options_.depth / kStepsOfDepth)
+                      : Slices(point, HeightAt(point, cut.stance, stands));
     cut.arcs = EngagedArcs(cut.slices, cut.stance, stands);
     return cut;
   }
@@ -116,9 +123,11 @@ class Cutting {
     };
   }
 
-  /// How high above the surface at the point an arc's slice reaches, mm along the normal.
+  /// How high above the surface at the point an arc's slice reaches, mm along the normal; along the axis
+  /// above the tip where the cutter mills with its side.
   double TopOf(const MillingPoint& point, const PointCut& cut, const EngagedArc& arc) const {
     const EdgeSlice& slice = cut.slices[arc.slice];
+    if (MillsWithItsSide(point)) return slice.height + 0.5 * slice.length * slice.sin_lead;
     const Vector3d left = cut.stance.Across(), ahead = left.cross(cut.stance.axis);
     const auto [s, c] = SinCos(0.5 * (arc.start + arc.end));
     const Vector3d place = slice.radius * (s * ahead + c * left) +

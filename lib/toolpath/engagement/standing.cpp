@@ -8,6 +8,10 @@ namespace {
 
 constexpr double kTouch = 1e-3;  // mm: what the envelope only touches stays
 
+Eigen::AlignedBox3d BoxAbout(const Eigen::Vector3d& place, double reach) {
+  return {place.array() - reach, place.array() + reach};
+}
+
 RegionOptions WithoutRim(RegionOptions options) {
   options.rim_distance = 0;
   return options;
@@ -85,15 +89,10 @@ void SweptPath::Build(int stretch, int first, int count) {
   Build(made.half + 1, first + count / 2, count - count / 2);
 }
 
-Eigen::AlignedBox3d SweptPath::BoxAbout(const Eigen::Vector3d& place) const {
-  const double reach = 2 * cutter_.radius;
-  return {place.array() - reach, place.array() + reach};
-}
-
-SweptPath::Near SweptPath::Before(size_t number, const Eigen::Vector3d& place,
-                                  const Eigen::Vector3d& normal) const {
-  Near near{number, place, normal, {}};
-  const Eigen::AlignedBox3d about = BoxAbout(place);
+SweptPath::Near SweptPath::Before(size_t number, const Eigen::Vector3d& place, const Eigen::Vector3d& normal,
+                                  double above) const {
+  Near near{number, place, normal, 2 * cutter_.radius + above, {}};
+  const Eigen::AlignedBox3d about = BoxAbout(place, near.reach);
   // Short enough that most of what is asked about a stretch is answered for all of it.
   const double is_short = cutter_.radius / 4;
   std::vector<int> open;
@@ -141,7 +140,7 @@ bool SweptPath::Removed(int index, const Near& near, const Eigen::Vector3d& plac
     return MayTake(stretch, near, place) &&
            (Removed(stretch.half + 1, near, place) || Removed(stretch.half, near, place));
   const Motion& motion = motions_[static_cast<size_t>(stretch.first)];
-  if (motion.number > near.number || !stretch.box.intersects(BoxAbout(near.place))) return false;
+  if (motion.number > near.number || !stretch.box.intersects(BoxAbout(near.place, near.reach))) return false;
   const double height = (place - near.place).dot(near.normal);
   const double at_start = (motion.from - near.place).dot(near.normal);
   const double at_end = (motion.to - near.place).dot(near.normal);

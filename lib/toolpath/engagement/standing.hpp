@@ -35,9 +35,12 @@ class SweptPath {
   struct Near {
     size_t number = 0;              ///< of the point
     Eigen::Vector3d place, normal;  ///< its own
+    double reach = 0;               ///< mm along each axis of P: no motion whose tips are farther matters
     std::vector<int> stretches;     ///< of the path, the last first
   };
-  Near Before(size_t number, const Eigen::Vector3d& place, const Eigen::Vector3d& normal) const;
+  /// `above`, mm: how much farther up the tool's axis than that it is asked about.
+  Near Before(size_t number, const Eigen::Vector3d& place, const Eigen::Vector3d& normal,
+              double above = 0) const;
   /// Whether any of it has taken `place` off, which is no farther from the point than the cutter's radius.
   bool Removed(const Near& near, const Eigen::Vector3d& place) const;
 
@@ -61,8 +64,6 @@ class SweptPath {
   bool Takes(const Motion& motion, const Eigen::Vector3d& place) const;
   bool MayTake(const Stretch& stretch, const Near& near, const Eigen::Vector3d& place) const;
   bool Removed(int stretch, const Near& near, const Eigen::Vector3d& place) const;
-  Eigen::AlignedBox3d BoxAbout(const Eigen::Vector3d& place) const;
-
   CutterShape cutter_;
   double drop_ = 0;  ///< mm: no place of the cutter lies lower than this below its tip, seen from near it
   std::vector<Motion> motions_;

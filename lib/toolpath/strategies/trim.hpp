@@ -57,6 +57,7 @@ struct Trim final : Strategy {
   bool NeedsPart() const override { return border.has_value(); }
   bool IsPrescribed() const override { return true; }
   bool HasMillingForce() const override { return false; }
+  bool MillsWithSide() const override { return true; }
   std::vector<std::string> WithoutEffect() const override;
   LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const override;
 

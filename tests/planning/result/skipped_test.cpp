@@ -3,6 +3,7 @@
 
 #include "planning/result/compared.hpp"
 #include "planning/result/cycle_time.hpp"
+#include "planning/result/stock_figures.hpp"
 #include "tests/planning/result/every_field.hpp"
 
 namespace millpose {
@@ -106,6 +107,13 @@ TEST(CycleTime, IsTheSumOfItsPartsAndReadsAsAClock) {
   EXPECT_EQ(ClockText(59.5), "0:01:00");
   EXPECT_EQ(ClockText(86399.6), "24:00:00");
   EXPECT_EQ(TimeText(all), "1:05:04 (cuts 1:00:00, approaches 0:04:00, gaps 0:01:00, stops 0:00:03)");
+}
+
+TEST(AirTime, ReadsAsAShare) {
+  EXPECT_EQ(AirText({1000, 180, 100, 0}), "18 % of the cutting time (0:03:00) meets no material");
+  EXPECT_EQ(AirText({1000, 180, 100, 60}),
+            "18 % of the cutting time (0:03:00) meets no material, 0:01:00 of it at the air feed");
+  EXPECT_EQ(AirText({}), "0 % of the cutting time (0:00:00) meets no material");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "job/assemble.hpp"
 #include "planning/standing/leave_in_stock.hpp"
+#include "run/pipeline/operations/check_job.hpp"
 #include "run/pipeline/operations/run_job.hpp"
 #include "run/pipeline/outputs/report_parts.hpp"
 #include "run/pipeline/programs/plan_timeline.hpp"
@@ -224,6 +225,12 @@ TEST(StockOfAJob, IsRoughedFromWhereItStands) {
   EXPECT_EQ(first["stock"]["pieces_left_out"], 0);
   EXPECT_EQ(second["stock"]["pieces_left_out"], 0);
   EXPECT_NEAR(second["points"]["total"], first["points"]["total"].get<double>(), 3);
+  // A check lays the same paths: the material goes from one operation to the next there too.
+  const std::vector<JobCheck> checks =
+      CheckOperations(home.path() / "job.yaml", {.threads = 2}, {}, Silent(), {});
+  ASSERT_EQ(checks.size(), 2u);
+  EXPECT_EQ(checks[0].points, first["points"]["total"]);
+  EXPECT_EQ(checks[1].points, second["points"]["total"]);
 }
 
 TEST(StockOfAJob, IsRefusedByItsKey) {

@@ -300,6 +300,57 @@ TEST(Engagement, OfALayerUnderAMissingOneIsDeeper) {
   EXPECT_NEAR(depth(3), 2, 1e-9);
 }
 
+/// Passes along x at y whose points have the normal of an edge: −y.
+Pass EdgeAlong(double y, double height) {
+  Pass pass = PassAlong(Line({-8, y}, {68, y}), false, height);
+  for (MillingPoint& point : pass.points) point.normal = -Vector3d::UnitY();
+  return pass;
+}
+
+/// Of the closed form, for as much of a plate's edge.
+Vector3d ClosedForm(const EngagementOptions& options, double depth, double width, MillingSide side) {
+  const Cut cut{.material = options.edge.material,
+                .diameter = 2 * kRadius,
+                .teeth = options.edge.teeth,
+                .depth = depth,
+                .width = width,
+                .feed_per_tooth = 20 / (options.spindle_speed * options.edge.teeth),
+                .side = side,
+                .radial_ratio = options.edge.radial_ratio};
+  return MeanCuttingForce(cut).mean;
+}
+
+// A plate that the cutter goes through: a wall beside it and a slot, down to the far side, at once and in two
+// rounds that are farther apart than the cutter is wide.
+TEST(Engagement, OfTheSideOfTheCutterIsThatOfTheClosedForm) {
+  constexpr double kPlate = 24;
+  EngagementOptions options = Flat();
+  options.edge.cutter = {kRadius, 0, 40};
+  options.stock = [](const Vector3d& p) {
+    return p.x() > 0 && p.x() < kWide && p.y() > 0 && p.y() < kHigh && p.z() > 0 && p.z() < kPlate;
+  };
+  struct Case {
+    double y;
+    std::vector<double> tips;
+    double depth, width;
+    MillingSide side;
+  };
+  for (const Case& one : {Case{-2, {-1}, kPlate, kRadius - 2, MillingSide::kUp},
+                          Case{20, {-1}, kPlate, 2 * kRadius, MillingSide::kSlot},
+                          Case{-2, {12, -1}, 12, kRadius - 2, MillingSide::kUp},
+                          Case{20, {12, -1}, 12, 2 * kRadius, MillingSide::kSlot}}) {
+    Toolpath path;
+    for (const double tip : one.tips) path.passes.push_back(EdgeAlong(one.y, tip));
+    SetEngagement(options, 1, {}, path);
+    const Engagement& found = path.passes.back().points[19].engagement;
+    const Vector3d expected = ClosedForm(options, one.depth, one.width, one.side);
+    EXPECT_LT((found.force - expected).norm(), 5e-3 * expected.norm())
+        << found.force.transpose() << "; " << expected.transpose();
+    EXPECT_NEAR(found.depth, kPlate + 1 - (one.tips.size() - 1) * 12, 0.5 * kDepth) << one.y;
+    EXPECT_NEAR(found.width, one.width, 5e-3 * one.width);
+  }
+}
+
 TEST(Entries, MeetMaterialWhereNothingBeforeHasTakenItOff) {
   Toolpath path;
   path.passes.push_back(PassAlong(Line({20, 20}, {40, 20})));            // in the middle of the stock

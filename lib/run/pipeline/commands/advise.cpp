@@ -11,6 +11,7 @@
 #include "planning/standing/leave_in_stock.hpp"
 #include "report/deflection.hpp"
 #include "run/pipeline/operations/run_job.hpp"
+#include "run/pipeline/operations/stock_handed_on.hpp"
 #include "run/pipeline/stages/plan_job.hpp"
 #include "toolpath/engagement/cutting_power.hpp"
 #include "toolpath/strategy.hpp"
@@ -46,7 +47,7 @@ std::optional<double> NumberAt(const yaml::Value& root, const std::string& path)
 class OperationTrial {
  public:
   OperationTrial(std::filesystem::path job, std::vector<Override> overrides, std::optional<size_t> number,
-                 std::vector<CutsOfTool> before, Execution execution, const FileRoot& root)
+                 StockHandedOn before, Execution execution, const FileRoot& root)
       : job_(std::move(job)),
         overrides_(std::move(overrides)),
         number_(number),
@@ -100,7 +101,7 @@ class OperationTrial {
     std::vector<Override> all = overrides_;
     all.insert(all.end(), changes.begin(), changes.end());
     JobInputs inputs = LoadJobInputs(job_, all, {}, root_, number_);
-    inputs.cut_before = before_;
+    inputs.cut_before = before_.Before(inputs);
     CutStepFiles(
         &inputs, [](int) {}, execution_.stop);
     return inputs;
@@ -135,7 +136,7 @@ class OperationTrial {
   std::filesystem::path job_;
   std::vector<Override> overrides_;
   std::optional<size_t> number_;
-  std::vector<CutsOfTool> before_;
+  StockHandedOn before_;
   Execution execution_;
   const FileRoot& root_;
   JobInputs inputs_;
@@ -308,14 +309,14 @@ std::vector<OperationAdvice> Advise(const std::filesystem::path& job, const std:
                                     Progress& progress, const std::stop_token& stop) {
   const size_t count = OutlineOf(root.Read(job), job.string(), overrides).operations.size();
   std::vector<OperationAdvice> advices;
-  std::vector<CutsOfTool> before;
+  StockHandedOn handed;
   for (size_t i = 0; i < std::max<size_t>(count, 1); ++i) {
-    OperationTrial trial(job, overrides, count > 0 ? std::optional(i) : std::nullopt, before,
+    OperationTrial trial(job, overrides, count > 0 ? std::optional(i) : std::nullopt, handed,
                          {threads, progress, stop}, root);
     advices.push_back(AdviseOperation(trial, limits, progress));
     if (!trial.inputs().job.workpiece.HasStock() || i + 1 >= count) continue;
     if (!trial.inputs().job.cutting) trial.AsGiven();
-    before.push_back(trial.cuts());
+    handed.Add(trial.cuts());
   }
   return advices;
 }

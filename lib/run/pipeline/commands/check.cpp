@@ -15,6 +15,7 @@
 #include "job/step_meshes.hpp"
 #include "report/check_html.hpp"
 #include "run/pipeline/commands/find_reach.hpp"
+#include "toolpath/stock/cuts_of.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {
@@ -154,6 +155,18 @@ WrongWay WrongWayRound(const PreparedJob& prepared) {
   return found;
 }
 
+/// What operations after this one find taken off.
+CutsOfTool ReachedCuts(const PreparedJob& prepared, const std::vector<PointReach>& reach,
+                       const ToolSettings& tool) {
+  Toolpath milled = prepared.made.toolpath;
+  size_t number = 0;
+  if (CountPoints(milled) == reach.size())
+    for (Pass& pass : milled.passes)
+      for (MillingPoint& point : pass.points)
+        if (reach[number++].best != Infeasibility::kNone) point.gouge = 1;
+  return CutsOf(milled, MakeCutterShape(tool));
+}
+
 void WriteView(const ViewFile& target, CheckHtmlInput& input) {
   if (!target) return;
   input.language = target->language;
@@ -216,6 +229,7 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
   check.passes = prepared.toolpath.passes.size();
   const std::vector<PointReach> reach = FindReach(prepared, inputs.job.path.rotation_step, execution);
   Count(reach, check);
+  if (inputs.job.workpiece.HasStock()) check.cuts = ReachedCuts(prepared, reach, inputs.cell.tool);
   check.gouges = prepared.made.gouges.points;
   check.deepest_gouge = prepared.made.gouges.deepest.depth;
   check.gouge_place = prepared.made.gouges.deepest.place;

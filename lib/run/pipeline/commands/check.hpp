@@ -86,6 +86,7 @@ struct JobCheck {
   double deepest_gouge = 0;  ///< mm
   Eigen::Vector3d gouge_place = Eigen::Vector3d::Zero();  ///< in P
   std::optional<OperationAdvice> advice{};                ///< where it was asked for
+  CutsOfTool cuts{};  ///< what the path takes off a raw part, but for points out of reach; in P
 };
 
 /// A cell by itself.

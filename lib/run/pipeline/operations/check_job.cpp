@@ -8,6 +8,7 @@
 #include "base/loose_file.hpp"
 #include "job/split_sections.hpp"
 #include "run/pipeline/operations/run_job.hpp"
+#include "run/pipeline/operations/stock_handed_on.hpp"
 
 namespace millpose {
 
@@ -15,10 +16,13 @@ std::vector<JobCheck> CheckOperations(const std::filesystem::path& job, const Ch
                                       const FileRoot& root, Progress& progress, const std::stop_token& stop) {
   std::vector<JobInputs> inputs = LoadOperations(job, arguments.overrides, root);
   std::vector<JobCheck> checks;
+  StockHandedOn handed;
   for (size_t i = 0; i < inputs.size(); ++i) {
     CheckJobArguments own = arguments;
     if (own.view && inputs[i].operation) own.view->file = ViewOf(own.view->file, i, inputs[i].job.operation);
+    inputs[i].cut_before = handed.Before(inputs[i]);
     checks.push_back(CheckJob(std::move(inputs[i]), own, progress, stop));
+    handed.Add(checks.back().cuts);
   }
   return checks;
 }

@@ -9,6 +9,7 @@
 #include "job/config/setup_names.hpp"
 #include "job/step_meshes.hpp"
 #include "planning/standing/leave_in_stock.hpp"
+#include "run/pipeline/operations/stock_handed_on.hpp"
 #include "run/pipeline/operations/whole_report.hpp"
 #include "run/pipeline/outputs/run_record.hpp"
 #include "run/pipeline/outputs/up_to_date.hpp"
@@ -46,13 +47,14 @@ PlanOutcome PlanEach(const PlanArguments& arguments, const std::vector<JobInputs
                      const OutputFolder& folder, ResultSet* whole, Stages& stages,
                      const std::stop_token& stop) {
   PlanOutcome all;
-  std::vector<CutsOfTool> cuts;
+  StockHandedOn handed;
   std::string before;
   for (size_t i = 0; i < inputs.size(); ++i) {
     const std::string& name = inputs[i].job.operation;
     PlanArguments own = arguments;
     own.operation = i;
-    if (whole && inputs[i].job.workpiece.HasStock()) own.cut_before = cuts, own.before = before;
+    own.cut_before = handed.Before(inputs[i]);
+    if (whole && inputs[i].job.workpiece.HasStock()) own.before = before;
     NamedProgress told(stages, name);
     const PlanOutcome outcome =
         PlanOperation(own, folder.Operation(OperationFolder(i, name)), whole, told, stop);
@@ -60,8 +62,8 @@ PlanOutcome PlanEach(const PlanArguments& arguments, const std::vector<JobInputs
     if (arguments.share) all.text += fmt::format("operation {}: {}", name, outcome.text);
     if (!whole || !AnyHasStock(inputs)) continue;
     before += inputs[i].hash + '\0';
-    cuts.push_back(CutsOf(StagedPlan(*whole, OperationFolder(i, name), arguments.root),
-                          MakeCutterShape(inputs[i].cell.tool)));
+    handed.Add(CutsOf(StagedPlan(*whole, OperationFolder(i, name), arguments.root),
+                      MakeCutterShape(inputs[i].cell.tool)));
   }
   return all;
 }

@@ -115,7 +115,9 @@ CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string
     program.trajectory = TrajectoryCsv(motions.written, plan.arm, plan.X_WB, ExternalColumns(with.settings),
                                        post.Times(), *inputs.trajectory);
   program.files = post.Write(motions.written, plan.arm, with.settings);
-  program.speed = EstimatePathSpeed(motions.written, controller, post.Dynamics(with.settings));
+  // In the air nobody needs more than the feed of the cut.
+  const double wanted = inputs.cell.air_feed ? inputs.job.feed : 0;
+  program.speed = EstimatePathSpeed(motions.written, controller, post.Dynamics(with.settings), wanted);
   for (const std::string& warning :
        {SpeedWarning(*program.speed), MemoryWarning(program.files, post.Memory())})
     if (!warning.empty()) program.warnings.push_back(warning);

@@ -60,6 +60,10 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
   if (lift > 0)
     options.header.emplace_back("dry_run",
                                 fmt::format("cuts are lifted by {} mm along the tool axis", Fixed(lift, 3)));
+  if (inputs.cell.air_feed && job.workpiece.HasStock())
+    options.header.emplace_back("air_feed",
+                                "cuts run faster where those before have milled the raw part off: all of "
+                                "them in their order, none left out");
   if (!job.program_options.date.empty()) options.header.emplace_back("date", job.program_options.date);
   for (const std::string& call : AssumedCalls(inputs.cell, controller_name))
     options.header.emplace_back("call", call);

@@ -19,8 +19,8 @@ int PointOf(const MotionProgram& program, size_t i) {
 }  // namespace
 
 PathSpeed EstimatePathSpeed(const MotionProgram& written, const std::string& controller,
-                            const PathDynamics& dynamics) {
-  const SpeedEstimate estimate = EstimateSpeed(written, dynamics);
+                            const PathDynamics& dynamics, double wanted) {
+  const SpeedEstimate estimate = EstimateSpeed(written, dynamics, wanted);
   PathSpeed speed{controller, estimate.lowest_share, {}};
   for (const SlowPlace& place : estimate.places)
     speed.slow.push_back({written.motions[place.motion].pass, PointOf(written, place.motion), place.feed,

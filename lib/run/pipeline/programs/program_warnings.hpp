@@ -7,9 +7,9 @@
 
 namespace millpose {
 
-/// What the controller is estimated to make of the feeds.
+/// What the controller is estimated to make of the feeds; `wanted` as EstimateSpeed() has it.
 PathSpeed EstimatePathSpeed(const MotionProgram& written, const std::string& controller,
-                            const PathDynamics& dynamics);
+                            const PathDynamics& dynamics, double wanted);
 
 /// A sentence that names the slowest points and what helps; empty where the feed is held.
 std::string SpeedWarning(const PathSpeed& speed);

@@ -95,7 +95,7 @@ size_t FixRevolutions(const JobInputs& inputs, const PoseProblem& problem, PlanR
 }
 
 // Pieces that would meet what still stands of the raw part, with their own ways to and from them.
-int LeaveInRawStock(const JobInputs& inputs, const Execution& execution, PlannedJob& job) {
+int LeaveInRawStock(const JobInputs& inputs, const Execution& execution, PlannedJob& job, AirCourse& air) {
   const Triangles raw = RawStock(inputs);
   if (raw.faces.empty()) return 0;
   size_t pieces = 0;
@@ -104,14 +104,28 @@ int LeaveInRawStock(const JobInputs& inputs, const Execution& execution, Planned
   StandingStock stock(raw, inputs.job.workpiece.stock_resolution);
   for (const CutsOfTool& cuts : inputs.cut_before)
     stock.Remove(cuts.cutter, cuts.motions, execution.Threads(), execution.stop);
-  const StockFigures figures =
-      LeaveInStock(job.prepared.cell, MakeCutterShape(inputs.cell.tool), stock, execution, job.plan);
+  const double air_margin = inputs.cell.air_feed.value_or(AirFeedSettings()).margin;
+  LeftInStock left = LeaveInStock(job.prepared.cell, MakeCutterShape(inputs.cell.tool), air_margin, stock,
+                                  execution, job.plan);
+  const StockFigures& figures = left.figures;
+  air = std::move(left.air);
   const int left_out = figures.left_out + (job.stock ? job.stock->left_out : 0);
   job.stock = figures;
   job.stock->left_out = left_out;
   execution.progress.End(
       fmt::format("{:.0f} of {:.0f} cm3 milled off", figures.removed / 1e3, figures.blank / 1e3));
   return figures.left_out;
+}
+
+// Feeds of the points, at last. Returns those that forces were computed for, pass by pass.
+std::vector<std::vector<double>> SettleFeeds(const JobInputs& inputs, const AirCourse& air, PlannedJob& job) {
+  std::vector<std::vector<char>> raised;
+  if (const auto& fast = inputs.cell.air_feed; fast && job.stock)
+    raised = RaiseFeedsInAir(air, fast->feed, fast->longer_than, job.plan);
+  std::vector<std::vector<double>> feeds = FeedsOf(job.plan);
+  if (inputs.job.feed_policy == FeedPolicy::kReduce) job.reduction = ReduceFeeds(job.plan);
+  if (job.stock) job.stock->air = TimeInAir(air, raised, job.plan);
+  return feeds;
 }
 
 void WarnOfTurned(PlannedJob& job) {
@@ -165,7 +179,8 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   settle();
   execution.progress.End(
       fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), job.resumed_gaps));
-  while (LeaveInRawStock(inputs, execution, job) > 0) {
+  AirCourse air;
+  while (LeaveInRawStock(inputs, execution, job, air) > 0) {
     leave_over_missing();
     plan_gaps();
     settle();
@@ -178,8 +193,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   if (!left.empty()) job.prepared.warnings.push_back(left);
   const std::string entries = EntriesOnMaterial(inputs, job.prepared.surface.mesh, plan);
   if (!entries.empty()) job.prepared.warnings.push_back(entries);
-  const auto feeds = FeedsOf(plan);
-  if (inputs.job.feed_policy == FeedPolicy::kReduce) job.reduction = ReduceFeeds(plan);
+  const auto feeds = SettleFeeds(inputs, air, job);
   const CompensationNotes notes = CompensateJob(inputs, as_it_is, feeds, execution, plan);
   std::ranges::copy(notes.warnings, std::back_inserter(job.prepared.warnings));
   std::ranges::copy(notes.findings, std::back_inserter(job.prepared.made.findings));
