@@ -9,8 +9,8 @@ namespace millpose {
 
 /// From here on nothing that the program writes to stdout or stderr commands a terminal, whatever names and
 /// texts of foreign files it repeats: control characters but line feed and tab, characters that turn the
-/// direction of text, and what is no UTF-8 become "?"; and no line is wider than the
-/// terminal (ForTerminal). Called once, before anything is written.
+/// direction of text, and what is no UTF-8 become "?"; and no line is wider than the terminal (ForTerminal).
+/// Called once, before anything is written.
 void CleanOutput();
 
 /// Clears the line of stderr that the cursor stands in, if it is a terminal; the one command that is meant.

@@ -38,9 +38,10 @@ bool IsJson(std::string_view line) {
          std::string_view("{}[]\"").find(line[first]) != std::string_view::npos;
 }
 
-/// One line, broken; `used` columns of the first are taken already, `indent` of those after it are blank.
-std::string WrappedLine(std::string_view line, size_t columns, size_t used, size_t indent) {
+/// One line, broken; `indent` columns of the lines after the first are blank.
+std::string WrappedLine(std::string_view line, size_t columns, size_t indent) {
   std::string wrapped;
+  size_t used = 0;    // columns of its line
   bool first = true;  // of its line
   for (size_t at = 0; at < line.size();) {
     const size_t end = std::min(line.find(' ', at), line.size());
@@ -64,7 +65,7 @@ std::string WrappedLine(std::string_view line, size_t columns, size_t used, size
 
 std::string Wrapped(const std::string& text, size_t columns) {
   std::string wrapped;
-  for (const std::string_view line : LinesOf(text)) wrapped += WrappedLine(line, columns, 0, 0) + '\n';
+  for (const std::string_view line : LinesOf(text)) wrapped += WrappedLine(line, columns, 0) + '\n';
   if (!text.ends_with('\n') && !wrapped.empty()) wrapped.pop_back();
   return wrapped;
 }
@@ -75,7 +76,7 @@ std::string ForTerminal(const std::string& text, int file) {
   std::string wrapped;
   for (const std::string_view line : LinesOf(text)) {
     const bool fits = ColumnsOf(line) <= *columns || IsJson(line);
-    wrapped += fits ? std::string(line) : WrappedLine(line, *columns, 0, TextColumn(line));
+    wrapped += fits ? std::string(line) : WrappedLine(line, *columns, TextColumn(line));
     wrapped += '\n';
   }
   if (!text.ends_with('\n') && !wrapped.empty()) wrapped.pop_back();

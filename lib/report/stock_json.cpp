@@ -15,4 +15,9 @@ nlohmann::ordered_json StockJson(const StockFigures& stock) {
             {"air_feed_s", stock.air.air_feed}}}};
 }
 
+AirTime AirTimeOf(const nlohmann::ordered_json& stock) {
+  const nlohmann::ordered_json& air = stock.at("air");
+  return {air.at("cuts_s"), air.at("nothing_cut_s"), air.at("clear_s"), air.at("air_feed_s")};
+}
+
 }  // namespace millpose

@@ -10,4 +10,7 @@ namespace millpose {
 /// `stock` of summary.json.
 nlohmann::ordered_json StockJson(const StockFigures& stock);
 
+/// What StockJson() has written of the time in the air.
+AirTime AirTimeOf(const nlohmann::ordered_json& stock);
+
 }  // namespace millpose

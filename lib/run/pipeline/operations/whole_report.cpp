@@ -15,6 +15,7 @@
 #include "report/page/escaped.hpp"
 #include "report/page/table_page.hpp"
 #include "report/report.hpp"
+#include "report/stock_json.hpp"
 
 namespace millpose {
 namespace {
@@ -101,11 +102,6 @@ double CycleOf(const std::vector<ToldOperation>& operations, const std::string& 
     for (const Json& times : done.json.at("cycle_times"))
       if (times.at("controller") == controller) cycle += times.at("total_s").get<double>();
   return cycle;
-}
-
-AirTime AirOf(const Json& stock) {
-  const Json& air = stock.at("air");
-  return {air.at("cuts_s"), air.at("nothing_cut_s"), air.at("clear_s"), air.at("air_feed_s")};
 }
 
 std::vector<std::string> Findings(const std::vector<ToldOperation>& operations,
@@ -388,7 +384,7 @@ std::string WholeText(const std::vector<DoneOperation>& all, const std::vector<W
     if (const std::string skipped = SkippedText(done); !skipped.empty())
       text += fmt::format("skipped    {}:{}\n", done.name, skipped);
     if (done.json.contains("stock"))
-      text += fmt::format("air        {}: {}\n", done.name, AirText(AirOf(done.json.at("stock"))));
+      text += fmt::format("air        {}: {}\n", done.name, AirText(AirTimeOf(done.json.at("stock"))));
   }
   for (const std::string& line : ProgramLines(operations, programs)) text += "program    " + line + "\n";
   for (const std::string& finding : Findings(operations, programs)) text += "finding    " + finding + "\n";

@@ -116,7 +116,7 @@ CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string
                                        post.Times(), *inputs.trajectory);
   program.files = post.Write(motions.written, plan.arm, with.settings);
   // In the air nobody needs more than the feed of the cut.
-  const double wanted = inputs.cell.air_feed ? inputs.job.feed : 0;
+  const double wanted = inputs.cell.air_feed && inputs.job.workpiece.HasStock() ? inputs.job.feed : 0;
   program.speed = EstimatePathSpeed(motions.written, controller, post.Dynamics(with.settings), wanted);
   for (const std::string& warning :
        {SpeedWarning(*program.speed), MemoryWarning(program.files, post.Memory())})
