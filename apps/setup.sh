@@ -2,14 +2,20 @@
 # Sourced by ./millpose and ./run-tests: what a fresh clone on Debian 12 needs before it can run. Quiet unless there is
 # work or trouble; all it says goes to stderr.
 
-# millpose_run_logged <what fails> <command…>: runs it with its output in build/setup.log, shown only when it fails.
-# What the command writes to descriptor 8 is shown at once.
+# millpose_run_logged <what fails> <command…>: runs it with its output in build/setup.log, shown only when it fails,
+# without the steps that a build counted. What the command writes to descriptor 8 is shown at once.
 millpose_run_logged() {
   local what=$1 log=$top/build/setup.log
   shift
-  "$@" 8>&2 >"$log" 2>&1 && return
-  cat "$log" >&2
-  echo "millpose: $what failed (see above, also in $log)" >&2
+  exec 7>&2  # the trap runs where stderr is the log
+  trap 'printf "\nmillpose: stopped; the same command goes on from there\n" >&7; exit 130' INT
+  local status=0
+  "$@" 8>&2 >"$log" 2>&1 || status=$?
+  trap - INT
+  exec 7>&-
+  [ "$status" -ne 0 ] || return 0
+  grep -Ev '^\[[0-9]+/[0-9]+\]' "$log" >&2 || true
+  echo "millpose: $what failed (see above, all of it in $log)" >&2
   exit 3
 }
 
@@ -44,22 +50,25 @@ millpose_up_to_date() {
 # millpose_build <build folder> <target>: ninja, with its count and the time left on descriptor 8: a line that moves on a
 # terminal, else one a minute. The time left takes all steps for alike.
 millpose_build() {
-  local began=$SECONDS shown=$SECONDS
-  ninja -C "$1" "$2" | while IFS= read -r line; do
+  local began=$SECONDS shown=$SECONDS columns=80
+  [ ! -t 8 ] || columns=$(stty size <&8 2>/dev/null | cut -d ' ' -f 2) || true
+  [ "${columns:-0}" -gt 0 ] || columns=80
+  # Ctrl-C is for ninja: what it says last still belongs to the log.
+  ninja -C "$1" "$2" | (trap '' INT; while IFS= read -r line; do
     printf '%s\n' "$line"
     [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
     local done=${BASH_REMATCH[1]} all=${BASH_REMATCH[2]} took=$((SECONDS - began))
     local left=$((done > 0 ? took * (all - done) / done : 0))
-    local text="millpose: step $done of $all, $((took / 60)) min $((took % 60)) s, about $((left / 60)) min $((left % 60)) s left"
+    local text="millpose: compiling, step $done of $all, $((took / 60)) min $((took % 60)) s, about $((left / 60)) min $((left % 60)) s left"
     if [ -t 8 ]; then
-      printf '\r%-78s' "$text" >&8
+      printf '\r%-*s' $((columns - 1)) "${text:0:columns-1}" >&8
     elif ((SECONDS - shown >= 60)); then
       shown=$SECONDS
       printf '%s\n' "$text" >&8
     fi
-  done
+  done)
   local status=${PIPESTATUS[0]}
-  [ ! -t 8 ] || printf '\r%-78s\r' '' >&8
+  [ ! -t 8 ] || printf '\r%-*s\r' $((columns - 1)) '' >&8
   return "$status"
 }
 
@@ -77,7 +86,8 @@ millpose_setup() {
     millpose_run_logged "configuring" env -C "$top" cmake --preset "$preset"
   fi
   if ! millpose_up_to_date "$build" "$target"; then
-    echo "millpose: compiling the program; the first time takes about 15 minutes on two cores, later only what changed" >&2
+    echo "millpose: compiling; the first time takes about 15 minutes on two cores," >&2
+    echo "millpose: later only what changed is compiled" >&2
     millpose_run_logged "building" millpose_build "$build" "$target"
   fi
   exec 9>&-

@@ -99,7 +99,7 @@ Json ToJson(const MappedPart& part) {
           {"explained_share", f.explained},
           {"left_um", kMicrometres * f.left},
           {"length_mm", f.field.shape().length},
-          {"follows_feed", f.field.shape().by_feed > 0},
+          {"follows_lost_motion", f.field.shape().by_flanks > 0},
           {"noise_um", kMicrometres * f.field.noise()},
           {"repeatability_um", or_null(f.repeatability)},
           {"significant", f.significant},
@@ -119,7 +119,7 @@ void Print(const MappedPart& part) {
   fmt::print("size           {:>8.2f} µm, RMS\n", kMicrometres * f.size);
   fmt::print("smooth part    {:>8.1f} % of the readings' squares, foretold by neighbours over {:.0f} mm{}\n",
              100 * f.explained, f.field.shape().length,
-             f.field.shape().by_feed > 0 ? " that were milled in the same direction" : "");
+             f.field.shape().by_flanks > 0 ? " that were milled on the same flanks of the gears" : "");
   fmt::print("left           {:>8.2f} µm, RMS of places left out; noise of a reading {:.2f} µm\n",
              kMicrometres * f.left, kMicrometres * f.field.noise());
   if (f.repeatability)

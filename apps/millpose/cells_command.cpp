@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include "clean_output.hpp"
 #include "commands.hpp"
 #include "run/init/list_cells.hpp"
 
@@ -17,9 +18,10 @@ void AddCellsCommand(CLI::App& app, Run& run) {
   command->add_flag("--json", words->json, "The list as JSON")->excludes(name);
   command->callback([&run, words] {
     run = [words](Session&) {
-      fmt::print("{}", !words->name.empty() ? CellYaml(words->name)
-                       : words->json        ? CellsJson(ListCells())
-                                            : CellsText(ListCells()));
+      if (!words->name.empty())
+        PrintAsIs(CellYaml(words->name));
+      else
+        fmt::print("{}", words->json ? CellsJson(ListCells()) : CellsText(ListCells()));
       return kDone;
     };
   });

@@ -18,7 +18,10 @@ namespace {
 struct Target {
   int file;
   std::string rest = {};
+  bool as_is = false;  ///< no line is broken
 };
+
+Target to_stdout{STDOUT_FILENO}, to_stderr{STDERR_FILENO};
 
 /// How many bytes a character has that begins with `first`; 1 where none does.
 size_t LengthBy(unsigned char first) {
@@ -47,7 +50,8 @@ bool WriteAll(int file, std::string_view bytes) {
 
 ssize_t WriteClean(void* cookie, const char* bytes, size_t count) {
   auto& target = *static_cast<Target*>(cookie);
-  const std::string clean = ForTerminal(Cleaned({bytes, count}, target.rest), target.file);
+  std::string clean = Cleaned({bytes, count}, target.rest);
+  if (!target.as_is) clean = ForTerminal(clean, target.file);
   return WriteAll(target.file, clean) ? static_cast<ssize_t>(count) : 0;
 }
 
@@ -82,10 +86,17 @@ std::string Cleaned(std::string_view text, std::string& rest) {
 }
 
 void CleanOutput() {
-  static Target out{STDOUT_FILENO}, error{STDERR_FILENO};
   static Buffer out_buffer, error_buffer;
-  stdout = StreamTo(out, stdout, ::isatty(STDOUT_FILENO) != 0 ? _IOLBF : _IOFBF, out_buffer);
-  stderr = StreamTo(error, stderr, _IOLBF, error_buffer);
+  stdout = StreamTo(to_stdout, stdout, ::isatty(STDOUT_FILENO) != 0 ? _IOLBF : _IOFBF, out_buffer);
+  stderr = StreamTo(to_stderr, stderr, _IOLBF, error_buffer);
+}
+
+void PrintAsIs(const std::string& text) {
+  std::fflush(stdout);
+  to_stdout.as_is = true;
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+  to_stdout.as_is = false;
 }
 
 void ClearLine() {

@@ -13,6 +13,9 @@ namespace millpose {
 /// Called once, before anything is written.
 void CleanOutput();
 
+/// Text for stdout that somebody may copy, such as YAML: clean, with its lines as they are.
+void PrintAsIs(const std::string& text);
+
 /// Clears the line of stderr that the cursor stands in, if it is a terminal; the one command that is meant.
 void ClearLine();
 

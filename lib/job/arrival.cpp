@@ -70,7 +70,7 @@ ArmArrival DescribeArrival(const CellSettings& settings, const Cell& cell) {
   arrival.wrist = WristOf(settings);
   for (size_t i = 0; i < 6; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
-    arrival.limits[i] = {cell.arm.lower[axis] / (2 * kPi), cell.arm.upper[axis] / (2 * kPi)};
+    arrival.limits[i] = {RadToDeg(cell.arm.lower[axis]), RadToDeg(cell.arm.upper[axis])};
   }
   for (const Body& body : cell.bodies)
     if (body.body_class == BodyClass::kLink)
@@ -99,8 +99,8 @@ std::string ToText(const ArmArrival& arrival) {
   text += fmt::format("wrist               {}\n", arrival.wrist);
   std::vector<std::string> limits;
   for (const auto& [lower, upper] : arrival.limits)
-    limits.push_back(fmt::format("{:.3f}…{:.3f}", lower, upper));
-  text += fmt::format("limits              {} revolutions\n", fmt::join(limits, ", "));
+    limits.push_back(fmt::format("{:.6g} to {:.6g}", lower, upper));
+  text += fmt::format("limits              {} deg\n", fmt::join(limits, ", "));
   for (const ArmArrival::Body& body : arrival.bodies)
     text += fmt::format("link body           {} on {}: {:.4g} x {:.4g} x {:.4g} mm\n", body.name, body.mount,
                         body.size.x(), body.size.y(), body.size.z());

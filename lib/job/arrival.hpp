@@ -13,7 +13,7 @@ struct ArmArrival {
   std::string joints;                             ///< which, from where to where
   std::string zero;                               ///< where the arm is when all its angles are 0
   std::string wrist;                              ///< the family, and how far off the closed form is
-  std::array<std::array<double, 2>, 6> limits{};  ///< lower and upper, revolutions
+  std::array<std::array<double, 2>, 6> limits{};  ///< lower and upper, deg
   struct Body {
     std::string name;
     std::string mount;                               ///< base, link1 … link6

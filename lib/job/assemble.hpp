@@ -66,8 +66,8 @@ StepOptions MakeStepOptions(const WorkpieceSettings& workpiece);
 /// Material on the part's surface, mm.
 double AllowanceOf(const JobSettings& job);
 
-/// Puts the workpiece into the cell: the finished part with its allowance, and the stock where the job has
-/// one.
+/// Puts the workpiece into the cell: the finished part with its allowance, the stock where the job has one,
+/// and the job's fixtures.
 void AddWorkpiece(const JobInputs& inputs, Triangles finished, Cell* cell);
 
 /// Where the workpiece stands in W: as given, or where its measured targets fit best. Throws InputError when

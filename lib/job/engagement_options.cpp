@@ -35,6 +35,8 @@ class CuttingReader {
     options.down_factor = job_.force_factors.down;
     options.slot_factor = job_.force_factors.slot;
     if (job_.spindle_speed <= 0) Add("process.spindle_rpm: given 0; process.cutting needs it above 0");
+    const std::optional<double> point = job_.toolpath.strategy->DrillPoint();
+    if (point) return ReadDrill(*point, std::move(options));
     const double top = ReadDepth(options);
     ReadWidth(options);
     if (!options.stated) CheckStock();
@@ -54,6 +56,16 @@ class CuttingReader {
     edge.radial_ratio = from_.radial_ratio;
     edge.axial_ratio = from_.axial_ratio;
     return edge;
+  }
+
+  /// A drill's hole says how deep and wide it cuts, unless what stands does.
+  EngagementOptions ReadDrill(double point, EngagementOptions options) {
+    CheckStock();
+    if (!problems_.empty()) throw InputError(std::move(problems_));
+    options.drill =
+        DrillLips{options.edge.material, inputs_.cell.tool.cutter_diameter, options.edge.teeth, point};
+    if (job_.stock == Standing::kMesh) options.stock = StockMesh();
+    return options;
   }
 
   /// The depth of a layer; returns how high the stock stands above the part.
@@ -115,6 +127,8 @@ class CuttingReader {
   void CheckStock() {
     if (job_.stock == Standing::kMesh) {
       if (!job_.workpiece.HasStock()) Add("process.stock: given mesh; the job needs workpiece.stock");
+    } else if (job_.toolpath.strategy->DrillPoint()) {
+      return;  // it goes into the full
     } else if (job_.toolpath.strategy->NeedsStock()) {
       Add(fmt::format(
           "process.stock: given region; strategy {} cuts what stands of workpiece.stock; allowed: "
@@ -122,8 +136,9 @@ class CuttingReader {
           job_.toolpath.strategy->Name()));
     } else if ((!job_.toolpath.strategy->File().empty() && !job_.toolpath.strategy->NeedsPart()) ||
                mesh_.face_count() == 0) {
-      Add("process.cutting: what material a CAM path finds is not known; give process.stock: mesh with "
-          "workpiece.stock, or process.cutting.side and width_mm");
+      Add("process.cutting: what material a CAM path finds is not known; give workpiece.stock "
+          "(process.stock: "
+          "mesh), or process.cutting.side and width_mm");
     }
   }
 

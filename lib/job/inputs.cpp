@@ -111,6 +111,23 @@ void CheckCutter(const JobInputs& inputs, std::vector<Problem>& problems) {
   check("toolpath.depth.per_layer_mm", std::min(job.toolpath.layers.total, job.toolpath.layers.per_layer));
 }
 
+// A body's name tells it from all others, in findings and where plans are kept.
+void CheckFixtures(const JobInputs& inputs, std::vector<Problem>& problems) {
+  std::vector<std::string> names{"workpiece", "stock"};
+  for (const BodySettings& body : inputs.cell.bodies) names.push_back(body.name);
+  for (const ToolPartSettings& part : inputs.cell.tool.stack) names.push_back(part.name);
+  const std::vector<FixtureSettings>& fixtures = inputs.job.workpiece.fixtures;
+  for (size_t i = 0; i < fixtures.size(); ++i) {
+    if (std::ranges::find(names, fixtures[i].name) != names.end())
+      problems.push_back(
+          {{inputs.job.file},
+           fmt::format("workpiece.fixtures[{}].name: given {}; allowed: a name that no other body of the "
+                       "job and of cell {} has",
+                       i, fixtures[i].name, inputs.cell.name)});
+    names.push_back(fixtures[i].name);
+  }
+}
+
 /// A job without programs is planned in a cell whose controllers do not know its external axes.
 void CheckProgrammedAxes(const JobInputs& inputs) {
   if (inputs.cell.external_axes.empty()) return;
@@ -190,6 +207,12 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
         Collect(problems, [&] {
           inputs.keep_out_bytes[body.shape.mesh_file] = root.Read(folder / body.shape.mesh_file);
         });
+  for (const FixtureSettings& fixture : inputs.job.workpiece.fixtures)
+    if (fixture.shape.kind == ShapeKind::kMesh)
+      Collect(problems, [&] {
+        inputs.fixture_bytes[fixture.shape.mesh_file] = root.Read(folder / fixture.shape.mesh_file);
+      });
+  if (problems.empty()) CheckFixtures(inputs, problems);
   if (problems.empty()) CheckCutter(inputs, problems);
   if (problems.empty()) CheckLeanRanges(inputs, problems);
   if (problems.empty()) problems = CheckExternal(inputs.job, inputs.cell);
@@ -212,7 +235,8 @@ std::string HashOf(const JobInputs& inputs) {
                     Hash(inputs.path_bytes);
   if (!inputs.job.force_file.empty()) all += '\0' + Hash(inputs.force_bytes);
   if (!inputs.job.compensation.map_file.empty()) all += '\0' + Hash(inputs.map_bytes);
-  for (const auto& [name, bytes] : inputs.body_bytes) all += '\0' + name + '\0' + Hash(bytes);
+  for (const auto* bodies : {&inputs.body_bytes, &inputs.fixture_bytes})
+    for (const auto& [name, bytes] : *bodies) all += '\0' + name + '\0' + Hash(bytes);
   return Hash(all);
 }
 

@@ -27,6 +27,7 @@ struct JobInputs {
   std::string path_bytes;       ///< of the file that the strategy takes its path from
   std::map<std::string, std::string>
       body_bytes;  ///< of the mesh files that the cell's bodies name, by that name
+  std::map<std::string, std::string> fixture_bytes{};  ///< likewise of workpiece.fixtures
   std::map<std::string, std::string>
       keep_out_bytes{};  ///< likewise of placement.keep_out; no plan needs them
   std::map<std::string, std::string>

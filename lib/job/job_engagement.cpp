@@ -7,8 +7,20 @@
 #include "planning/result/station.hpp"
 #include "toolpath/engagement/entries.hpp"
 #include "toolpath/make_toolpath.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose {
+namespace {
+
+bool Drills(const JobInputs& inputs) { return inputs.job.toolpath.strategy->DrillPoint().has_value(); }
+
+/// Whether what the cutter meets follows from what the path has left: neither stated, nor that of a hole.
+bool FollowsFromPath(const JobInputs& inputs) {
+  return inputs.job.cutting && !inputs.job.cutting->side && !Drills(inputs);
+}
+
+}  // namespace
+
 std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh& mesh,
                                              const Execution& execution, Toolpath& toolpath) {
   if (!inputs.job.cutting) return std::nullopt;
@@ -127,8 +139,7 @@ class MissingMaterial {
 
 size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, const Execution& execution,
                         PlanResult& plan) {
-  if (!inputs.job.cutting || inputs.job.cutting->side || inputs.job.over_missing == OverMissing::kCut)
-    return 0;
+  if (!FollowsFromPath(inputs) || inputs.job.over_missing == OverMissing::kCut) return 0;
   if (CountSkipped(plan) == 0) return 0;
   const EngagementOptions options = MakeEngagementOptions(inputs, mesh);
   Toolpath whole = Milled(inputs, plan, false);
@@ -156,7 +167,7 @@ size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, const Executi
 std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, const Execution& execution,
                             PlanResult& plan) {
   constexpr double kMore = 1.2;  // times the force that was planned for: worth telling
-  if (!inputs.job.cutting) return "";
+  if (!inputs.job.cutting || Drills(inputs)) return "";
   const size_t skipped = CountSkipped(plan);
   if (skipped == 0) return "";
   Toolpath milled = Milled(inputs, plan, true);
@@ -189,7 +200,7 @@ std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, const Exe
 }
 
 std::string EntriesOnMaterial(const JobInputs& inputs, const Mesh& mesh, const PlanResult& plan) {
-  if (!inputs.job.cutting || inputs.job.cutting->side || inputs.cell.tool.centre_cutting) return "";
+  if (!FollowsFromPath(inputs) || inputs.cell.tool.centre_cutting) return "";
   std::vector<size_t> entries;
   std::vector<int> passes;
   size_t number = 0;

@@ -229,6 +229,11 @@ void AddWorkpiece(const JobInputs& inputs, Triangles finished, Cell* cell) {
                             .body_class = BodyClass::kStock,
                             .mount = Mount::kWorkpiece,
                             .shape = std::move(stock)});
+  for (const FixtureSettings& fixture : inputs.job.workpiece.fixtures)
+    cell->bodies.push_back({.name = fixture.name,
+                            .mount = fixture.mount,
+                            .X_MG = MakePose(fixture.pose),
+                            .shape = MakeShape(fixture.shape, inputs.fixture_bytes)});
 }
 
 Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB) {

@@ -17,6 +17,7 @@ JobInputs InputsOfToolpath(const JobInputs& inputs) {
   JobSettings& job = narrow.job;
   job.file = inputs.job.file;
   job.workpiece = inputs.job.workpiece;
+  job.workpiece.fixtures.clear();
   job.toolpath = inputs.job.toolpath;
   job.feed = inputs.job.feed;
   job.plunge_feed = inputs.job.plunge_feed;
@@ -59,6 +60,10 @@ JobInputs WithoutPlaces(JobInputs inputs) {
     if (!IsObstacle(body.body_class, body.mount.mount)) continue;
     body.shape = {};
     body.pose = {};
+  }
+  for (FixtureSettings& fixture : inputs.job.workpiece.fixtures) {
+    fixture.shape = {};
+    fixture.pose = {};
   }
   inputs.hash = HashOf(inputs);
   return inputs;

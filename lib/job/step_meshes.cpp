@@ -25,7 +25,8 @@ std::vector<Source> SourcesOf(JobInputs* inputs) {
   const StepOptions options = MakeStepOptions(inputs->job.workpiece);
   std::vector<Source> sources{{inputs->job.workpiece.mesh_file, &inputs->workpiece_bytes, options, true},
                               {inputs->job.workpiece.stock_file, &inputs->stock_bytes, options, false}};
-  for (auto& [name, bytes] : inputs->body_bytes) sources.push_back({name, &bytes, {}, false});
+  for (auto* bodies : {&inputs->body_bytes, &inputs->fixture_bytes})
+    for (auto& [name, bytes] : *bodies) sources.push_back({name, &bytes, {}, false});
   std::erase_if(sources, [](const Source& source) { return !LooksLikeCad(*source.bytes); });
   return sources;
 }
@@ -70,8 +71,9 @@ void RefuseLost(const Source& source, const std::string& mesh) {
 const std::string& MeshOf(const JobInputs& inputs, const std::string& hash) {
   if (Hash(inputs.workpiece_bytes) == hash) return inputs.workpiece_bytes;
   if (Hash(inputs.stock_bytes) == hash) return inputs.stock_bytes;
-  for (const auto& [name, bytes] : inputs.body_bytes)
-    if (Hash(bytes) == hash) return bytes;
+  for (const auto* bodies : {&inputs.body_bytes, &inputs.fixture_bytes})
+    for (const auto& [name, bytes] : *bodies)
+      if (Hash(bytes) == hash) return bytes;
   throw std::logic_error("the triangles of a STEP file are gone");
 }
 

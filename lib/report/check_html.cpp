@@ -156,6 +156,8 @@ std::string CheckHtml(const CheckHtmlInput& input, const HtmlLimits& limits) {
                   {"cell", CellJson(input, limits)},
                   {"part", PartJson(input)},
                   {"path", PathJson(input, limits.points)},
+                  {"measured", input.measured},
+                  {"removal", RemovalJson(input.removal)},
                   {"findings", input.findings},
                   {"notes", input.notes},
                   {"text", input.text},

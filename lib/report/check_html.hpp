@@ -7,6 +7,7 @@
 #include "report/side_view.hpp"
 #include "report/words/words.hpp"
 #include "toolpath/milling_point.hpp"
+#include "toolpath/stock/removal.hpp"
 
 namespace millpose {
 
@@ -26,6 +27,8 @@ struct CheckHtmlInput {
   std::vector<char> in_region;         ///< by triangle of the part
   const Toolpath* toolpath = nullptr;  ///< in W
   std::vector<PointReach> reach;       ///< of its points
+  std::string measured;                ///< "SERIAL, measured on DATE" of a calibrated arm
+  const Removal* removal = nullptr;    ///< what comes to the path, and what it leaves (PathRemoval)
   std::vector<std::string> findings, notes;
   std::optional<WrongSide> wrong_side;     ///< of such findings the first point, for their picture
   std::string text;                        ///< what the terminal is told

@@ -47,7 +47,7 @@ code { font: 9.5px ui-monospace, "DejaVu Sans Mono", monospace; }
 .sign td { height: 9.5mm; }
 .sign td, .sign th { border: 1px solid; border-color: var(--line); }
 .bottom { position: absolute; left: 12mm; right: 12mm; bottom: 14mm; }
-@page { size: A4; margin: 0; }
+@page { size: A4; margin: 0; @bottom-right { content: none; } }
 @media screen and (max-width: 820px) { .page { width: auto; height: auto; margin: 0 0 8px; padding: 12px; } .page > footer, .bottom { position: static; margin-top: 12px; } .wide { overflow-x: auto; } }
 @media print { body { background: none; } .page { margin: 0; } .page + .page { break-before: page; } }
 )html";

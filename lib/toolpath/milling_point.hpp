@@ -23,7 +23,7 @@ inline const char* Name(CutSide side) {
 /// What the cutter takes off at a point, and what that does to it (docs/engagement.md).
 struct Engagement {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< mean over a revolution, on the tool, N
-  double width = 0, depth = 0;                      ///< mm, across the feed and along the normal
+  double width = 0, depth = 0;                      ///< mm, across feed, along normal; a drill's D, a_p
   CutSide side = CutSide::kAir;
 };
 

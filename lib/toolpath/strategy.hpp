@@ -89,6 +89,9 @@ class Strategy {
   /// Whether points have the normal of an edge, along which the side of the cutter mills: then it does say
   /// something where the material that stands is known (process.stock: mesh).
   virtual bool MillsWithSide() const { return false; }
+  /// Of a tool that cuts with its point, straight down its axis, the angle of that, rad: then the force of a
+  /// drill says something of it. None: it mills, or what it meets does not follow from the options.
+  virtual std::optional<double> DrillPoint() const { return std::nullopt; }
   /// Whether the tool cuts on its way in, so that the plunge feed is the feed of its cuts.
   virtual bool CutsAtPlungeFeed() const { return false; }
   /// Objective where the job names none; empty: that of all jobs.

@@ -39,14 +39,16 @@ Angles Solve(const Setup& setup, const Matrix4& X_WT, Angles angles) {
     return e;
   };
   for (int round = 0; round < 20; ++round) {
+    const Eigen::Matrix<Real, 6, 1> off = error(angles);
     Eigen::Matrix<Real, 6, 6> slope;
     for (size_t i = 0; i < 6; ++i) {
       Angles more = angles;
       more[i] += 1e-8L;
-      slope.col(static_cast<Eigen::Index>(i)) = (error(more) - error(angles)) / 1e-8L;
+      slope.col(static_cast<Eigen::Index>(i)) = (error(more) - off) / 1e-8L;
     }
-    const Eigen::Matrix<Real, 6, 1> step = slope.fullPivLu().solve(error(angles));
+    const Eigen::Matrix<Real, 6, 1> step = slope.fullPivLu().solve(off);
     for (size_t i = 0; i < 6; ++i) angles[i] -= step[static_cast<Eigen::Index>(i)];
+    if (step.norm() < 1e-12L) break;  // rad; the next would be shorter by far
   }
   return angles;
 }

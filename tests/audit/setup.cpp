@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
 #include "audit/tessellate.hpp"
 #include "base/file.hpp"
 #include "tests/audit/folder.hpp"
@@ -85,10 +87,10 @@ void ReadBodies(const YAML::Node& bodies, const YAML::Node& axes, const fs::path
   for (const auto& node : bodies) {
     Body body;
     body.name = node["name"].as<std::string>();
-    body.kind = node["class"].as<std::string>();
+    body.kind = node["class"].as<std::string>("fixture");
     body.mesh = ShapeOf(node["shape"], folder);
     body.X_LG = PoseOf(node["pose"]);
-    const std::string mount = node["mount"].as<std::string>();
+    const std::string mount = node["mount"].as<std::string>("workpiece");
     if (mount == "carriage") {
       body.carrier = AxisNamed(axes, node["axis"].as<std::string>());
       body.guided = true;
@@ -283,6 +285,11 @@ Setup ReadSetup(const std::string& job_text, const std::vector<fs::path>& starts
   workpiece.mesh = ReadPart(job["workpiece"], starts);
   if (const auto plate = ReadPlate(job["workpiece"])) workpiece.mesh = plate->Bent(workpiece.mesh);
   setup.bodies.push_back(std::move(workpiece));
+  // Their meshes lie beside the job, as the part does.
+  const fs::path part = job["workpiece"]["mesh"].as<std::string>();
+  const auto beside =
+      std::ranges::find_if(starts, [&](const fs::path& start) { return fs::exists(start / part); });
+  ReadBodies(job["workpiece"]["fixtures"], {}, *beside, &setup);
   return setup;
 }
 

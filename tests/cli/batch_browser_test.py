@@ -12,7 +12,7 @@ from browser_case import BrowserCase  # noqa: E402
 
 MANIFEST = """millpose_batch: 1
 jobs:
-  - {{job: {top}/toolpaths/support_pad/job.yaml, name: fine, set: {{toolpath.stepover_mm: 10}}}}
+  - {{job: {top}/toolpaths/support_pad/job.yaml, name: fine, set: {{toolpath.stepover_mm: {stepover}}}}}
   - {{job: {top}/toolpaths/support_pad/job.yaml, name: coarse, set: {{toolpath.stepover_mm: 20}}}}
   - {{job: {top}/toolpaths/support_pad/job.yaml, name: broken, set: {{toolpath.stepover_mm: -1}}}}
 """
@@ -21,9 +21,14 @@ jobs:
 class Index(BrowserCase):
     @classmethod
     def write_pages(cls):
-        (cls.folder / "batch.yaml").write_text(MANIFEST.format(top=TOP))
-        subprocess.run([MILLPOSE, "batch", cls.folder / "batch.yaml", "-o", cls.folder / "out", "-q"], stdout=subprocess.DEVNULL,
-                       stderr=subprocess.DEVNULL)
+        def batch(out, stepover, *more):
+            (cls.folder / "batch.yaml").write_text(MANIFEST.format(top=TOP, stepover=stepover))
+            subprocess.run([MILLPOSE, "batch", cls.folder / "batch.yaml", "-o", cls.folder / out, "-q", *more], stdout=subprocess.DEVNULL,
+                           stderr=subprocess.DEVNULL)
+
+        batch("old", 10)
+        batch("out", 12, "--baseline", cls.folder / "old")
+        batch("out_de", 12, "--baseline", cls.folder / "old", "--lang", "de")
         cls.page = cls.folder / "out/index.html"
 
     def setUp(self):
@@ -31,7 +36,7 @@ class Index(BrowserCase):
         self.open()
 
     def names(self):
-        return self.js("[...document.querySelectorAll('tbody tr')].map(r => r.cells[0].textContent.trim())")
+        return self.js("[...document.querySelectorAll('tbody')].map(b => b.rows[0].cells[0].textContent.trim())")
 
     def test_every_head_sorts_both_ways_and_empty_cells_stay_last(self):
         count = self.js("document.querySelectorAll('th').length")
@@ -42,7 +47,7 @@ class Index(BrowserCase):
                 self.js(f"document.querySelectorAll('th button')[{column}].click()")
                 self.assertEqual(self.js(f"document.querySelectorAll('th')[{column}].getAttribute('aria-sort')"), direction)
                 self.assertEqual(self.js("document.querySelectorAll('th[aria-sort]').length"), 1)
-                orders.append(self.js(f"[...document.querySelectorAll('tbody tr')].map(r => r.cells[{column}].dataset.v)"))
+                orders.append(self.js(f"[...document.querySelectorAll('tbody')].map(b => b.rows[0].cells[{column}].dataset.v)"))
             numbers = [[float(v) for v in order if v not in (None, "")] for order in orders]
             if numbers[0]:
                 self.assertEqual(numbers[0], sorted(numbers[0]), column)
@@ -56,6 +61,27 @@ class Index(BrowserCase):
         for kind in ("keyDown", "keyUp"):
             self.browser.call("Input.dispatchKeyEvent", type=kind, key="Enter", code="Enter", text="\r", windowsVirtualKeyCode=13)
         self.assertEqual(self.names(), ["broken", "coarse", "fine"])
+
+    def test_what_is_told_of_a_job_stands_below_it_and_goes_with_it(self):
+        told = "[...document.querySelectorAll('tbody')].map(b => b.rows.length > 1 ? b.rows[1].textContent : '')"
+        self.js("document.querySelectorAll('th button')[0].click()")
+        self.assertEqual(self.names(), ["broken", "coarse", "fine"])
+        broken, coarse, fine = self.js(told)
+        self.assertIn("toolpath.stepover_mm: given -1", broken)
+        self.assertEqual(coarse, "")
+        self.assertIn("toolpath.stepover_mm: 10 -> 12", fine)
+        # Differences from the baseline are folded: no job takes a screen of its own.
+        self.assertLess(self.js("document.body.offsetHeight"), 500)
+
+    def test_every_figure_is_on_paper_and_in_a_narrow_window(self):
+        for page in (self.page, self.folder / "out_de/index.html"):
+            for width, paper in ((1400, False), (800, False), (390, False), (718, True)):
+                self.browser.media("light", paper=paper)
+                self.browser.size(width, 900)
+                self.browser.open(page.as_uri())
+                cut = self.js("[...document.querySelectorAll('td')].filter(c => { const r = c.getBoundingClientRect(); return r.width > 0 && "
+                              "(r.right > innerWidth || c.scrollWidth > c.clientWidth + 1); }).map(c => c.textContent)")
+                self.assertEqual(cut, [], (page.parent.name, width, paper))
 
     def test_a_link_opens_the_report(self):
         self.browser.open((self.page.parent / "fine/report.html").as_uri())

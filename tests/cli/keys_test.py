@@ -266,6 +266,11 @@ class Keys(InFolder):
         self.strategy(job, "pad", {"pattern": "zigzag", "along": [1, 0, 0], "offset_mm": 20})
         yield job, cell
 
+        job, cell = self.base()
+        job["workpiece"]["fixtures"] = [{"name": "clamp", "mount": "workpiece", "shape": {"box": {"size_mm": [20.5, 20, 30]}},
+                                         "pose": {"xyz_mm": [-80.5, 0, 0], "abc_deg": [0, 0, 10.5]}}]
+        yield job, cell
+
         for raw in ({"box": {"lower_mm": [-60.5, -60, -5], "upper_mm": [60.5, 60, 3]}, "resolution_mm": 2.5},
                     {"cylinder": {"centre_mm": [0.5, 0, -5], "axis": [0, 0.01, 1], "radius_mm": 90.5, "length_mm": 8}, "resolution_mm": 2.5}):
             job, cell = self.base()
@@ -414,8 +419,9 @@ class All(Keys):
             wanted |= set(resolved_yaml.leaves(schema))
         # An operation is a job of its own, and a setup has keys of its workpiece; of several tools the keys are those of `tool`.
         # A tool's compliances are read by the table of `stiffness.compliances`; one key of them shows that they count.
+        # A fixture's shape is read by the table of `bodies[].shape`.
         # What `placement` says is for `millpose place` (place_test.py).
-        twice = ("placement.", "operations[]", "setups[]", "tools[].tip", "tools[].axis", "tools[].x_", "tools[].cutter", "tools[].stack", "tools[].load",
+        twice = ("placement.", "workpiece.fixtures[].shape", "operations[]", "setups[]", "tools[].tip", "tools[].axis", "tools[].x_", "tools[].cutter", "tools[].stack", "tools[].load",
                  "tool.number", "tool.compliances[]", "tools[].compliances[].matrix", "tools[].compliances[].mount",
                  "tools[].compliances[].pose", "tools[].compliances[].rotational")
         wanted = {key for key in wanted if not key.startswith(twice)} - LEFT_OUT.keys() if ALL else FEW_KEYS

@@ -25,13 +25,21 @@ class Placement(BrowserCase):
         sample = TOP / "toolpaths/support_pad"
         text = (sample / "job.yaml").read_text().replace("../../cells", str(TOP / "cells")).replace("mesh: support_pad", f"mesh: {sample}/support_pad")
         (cls.folder / "job.yaml").write_text(text + PLACEMENT)
-        subprocess.run([MILLPOSE, "place", cls.folder / "job.yaml", "-o", cls.folder / "out", "-q", "--set", "toolpath.stepover_mm=40",
-                        "--set", "toolpath.spacing_mm=40"], stdout=subprocess.DEVNULL, check=True)
-        cls.page = cls.folder / "out/placement.html"
+        for language in ("en", "de", "zh"):
+            subprocess.run([MILLPOSE, "place", cls.folder / "job.yaml", "-o", cls.folder / language, "-q", "--set", "toolpath.stepover_mm=40",
+                            "--set", "toolpath.spacing_mm=40", "--lang", language], stdout=subprocess.DEVNULL, check=True)
+        cls.page = cls.folder / "en/placement.html"
 
     def test_fits_every_window_in_light_and_dark_and_on_paper(self):
         for look in ("light", "dark", "paper"):
             self.assert_fits("placement", looks=(look,))
+
+    def test_fits_narrow_windows_in_every_language(self):
+        for language in ("en", "de", "zh"):
+            for width in (901, 390, 320):
+                self.browser.size(width, 900)
+                self.browser.open((self.folder / language / "placement.html").as_uri())
+                self.assertLessEqual(self.js("document.documentElement.scrollWidth"), width, language)
 
     def test_every_figure_is_seen_with_its_head(self):
         heads = self.columns()

@@ -44,6 +44,9 @@ def on_a_terminal(columns, *arguments):
 
 
 class Run(InFolder):
+    def test_yaml_to_copy_is_never_broken(self):
+        self.assertEqual(on_a_terminal(60, "cells", "kr500_r2830"), run("cells", "kr500_r2830").stdout.splitlines())
+
     def test_the_last_lines_are_broken_between_words(self):
         out = self.folder / "out"
         arguments = ["plan", JOB, "-o", out, *(word for change in FEW for word in ("--set", change))]

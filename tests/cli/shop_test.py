@@ -64,6 +64,55 @@ class Shop(InFolder):
         feeds = {float(feed) for feed in re.findall(r"\bF=?(\d+(?:\.\d+)?)", text)}
         self.assertLessEqual({120.0, 2000.0}, feeds)
 
+    def test_a_drill_has_its_thrust(self):
+        cutting = "  cutting: {material: AlMgSi, teeth: 2}\nprograms: [krl, sinumerik, linuxcnc]"
+        text = sample("cabin_holes").replace("programs: [krl, sinumerik, linuxcnc]", cutting).replace("peck_mm: 4", "peck_mm: 4\n    point_deg: 118")
+        planned = self.plan(text)
+        self.assertEqual(planned.returncode, 0, planned.stderr)
+        self.assertIn("mm/N  drilling", planned.stdout, "the objective stays")
+        self.check_programs()
+        # 120 mm/min at 1500 rpm: 0.04 mm a lip, h = 0.04 sin 59 deg.
+        diameter = float(re.search(r"cutter: \{shape: flat, diameter_mm: (\d+)", CELL.read_text()).group(1))
+        sine = math.sin(math.radians(59))
+        thrust = 0.63 * (diameter / 2) * 0.08 * 800 * (0.04 * sine) ** -0.25 * sine
+        points = {int(row["point"]): row for row in self.points()}
+        with (self.folder / "out" / "deflection.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        cut = [row for row in rows if row["side"] != "air"]
+        self.assertEqual({row["side"] for row in cut}, {"slot"})
+        self.assertTrue(0 < len(cut) < len(rows), "out of the hole and down again nothing is cut")
+        bottoms = 0
+        for row in cut:
+            point = points[int(row["point"])]
+            force = [float(row[f"force_{axis}_N"]) for axis in "xyz"]
+            self.assertLessEqual(math.hypot(*force), thrust * (1 + 1e-9))
+            self.assertGreater(float(row["normal_um"]), 0, "it bends the tool out of the hole")
+            bottoms += math.hypot(*force) > thrust * (1 - 1e-9)
+        self.assertGreaterEqual(bottoms, 8, "every hole is as deep as the point is long")
+        summary = json.loads((self.folder / "out" / "summary.json").read_text())
+        self.assertAlmostEqual(summary["deflection"]["mean_force_N"]["axial"], thrust, 6)
+        self.assertIsNone(summary["deflection"]["level_mm"], "holes are no face")
+        budget = {row["source"]: row["um"] for row in summary["budget"]["rows"]}
+        self.assertAlmostEqual(budget["static_compliance"], max(abs(float(row["normal_um"])) for row in cut), 6)
+
+    def test_what_a_drill_does_not_know_of_a_milling_cut_is_refused(self):
+        own = "cutting: {material: AlMgSi, teeth: 2}"
+        for changed, told in ((own[:-1] + ", depth_mm: 1}", r"process\.cutting\.depth_mm: has no effect with strategy drill"),
+                              (own[:-1] + ", side: slot}", r"process\.cutting\.side: has no effect with strategy drill"),
+                              (own[:-1] + ", axial_ratio: 0.5}", r"process\.cutting\.axial_ratio: has no effect with strategy drill"),
+                              (own + "\n  force_factors: {up: 1.2}", r"process\.force_factors: has no effect with strategy drill"),
+                              (own + "\npath: {over_missing: cut}", r"path\.over_missing: has no effect here"),
+                              (own + "\npose: {objective: {name: face_error}}", r"pose\.objective: has no effect with strategy drill: it leaves no face"),
+                              (own + "\ncompensation: {deflection: normal}", r"compensation\.deflection: has no effect with strategy drill"),
+                              (own + "\n  stock: mesh", r"process\.stock: given mesh; the job needs workpiece\.stock")):
+            planned = self.plan(sample("cabin_holes").replace("programs: [", f"  {changed}\nprograms: ["))
+            self.assertEqual(planned.returncode, 2, changed)
+            self.assertRegex(planned.stderr, told)
+        sink = sample("cabin_holes").replace("    peck_mm: 4\n", "    countersink: {depth_mm: 2}\n").replace("    depth_mm: 10", "    # ")
+        planned = self.plan(sink.replace("programs: [", f"  {own}\nprograms: ["))
+        self.assertEqual(planned.returncode, 2, planned.stdout)
+        self.assertRegex(planned.stderr, r"job\.yaml:\d+:3: process\.cutting: has no effect here: of the force of strategy drill nothing is known")
+
     def test_the_tool_stands_at_the_bottom(self):
         one_hole = re.sub(r"(      - \{at_mm: .*\n){7}", "", sample("cabin_holes"), count=1)
         self.assertEqual(self.plan(one_hole).returncode, 0)
@@ -245,8 +294,6 @@ class Shop(InFolder):
         self.assertEqual(told.returncode, 2)
         for key in ("stepover_mm", "lead_deg"):
             self.assertRegex(told.stderr, rf"job\.yaml:\d+:3: toolpath\.{key}: has no effect with strategy drill")
-        cutting = sample("cabin_holes").replace("process:\n", "process:\n  cutting: {teeth: 2}\n")
-        self.assertIn("process.cutting: has no effect here", self.plan(cutting).stderr)
         for given, told in ((("peck_mm: 4", "chip_retract_mm: 1"), "drill.chip_retract_mm: has no effect here: needs peck_mm"),
                             (("peck_mm: 4", "peck_mm: 4\n    breakthrough_mm: 1"), "drill.breakthrough_mm: has no effect"),
                             (("clearance_mm: 3", "clearance_mm: 0"), "drill.clearance_mm: given 0; allowed: "),

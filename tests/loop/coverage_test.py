@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether the intervals that a measured arm's programs are reported with hold: arms are drawn, measured by a tracker with
-noise, identified, their programs planned and run by the drawn arm. Usage: as loop_test.py, whose bench it shares; with
-MILLPOSE_SLOW=1 a thousand arms."""
+noise, identified, their programs planned and run by the drawn arm. Usage: as loop_test.py, whose bench it shares, and the
+cells of the arms; with MILLPOSE_SLOW=1 many arms, with MILLPOSE_DRAWS so many."""
 import json
 import os
 import re
@@ -16,9 +16,11 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import loop_test as loop  # noqa: E402
 from arms import ARMS, cell_with, small_job  # noqa: E402
 
-DRAWS = int(os.environ.get("MILLPOSE_DRAWS", 1000 if loop.SLOW else 1))  # of each maker's arm
+CELLS = sys.argv[5:]
+DRAWS = int(os.environ.get("MILLPOSE_DRAWS", 150 if loop.SLOW else 1))  # of each maker's arm
 LEAST, MOST = 0.7, 1.3
 POSES, NOISE, SHIFT, TURN = 40, 0.03, 0.25, 0.3e-3  # mm, rad; the latter as the priors of identify
+COUPLING = 5e-4  # of A3 with A2, in every second arm
 
 
 def turn_about(axis, angle):
@@ -63,8 +65,10 @@ class Arm:
         own = numpy.radians(random.uniform([-70, -105, 35, -140, 20, -140], [70, -30, 115, 140, 100, 140]))
         return numpy.degrees(self.sign * (own - self.offset))
 
-    def flange(self, degrees, shifts, turns):
-        q = self.sign * numpy.radians(degrees) + self.offset
+    def flange(self, degrees, shifts, turns, coupling):
+        turned = numpy.array(degrees)
+        turned[2] += coupling * turned[1]
+        q = self.sign * numpy.radians(turned) + self.offset
         off = [small(s, t) for s, t in zip(shifts, turns)]
         l = lambda key: self.length.get(key, 0.0)
         X = off[0] @ shift_by(0, 0, l("d1")) @ turn_about(2, q[0]) @ off[1]
@@ -76,19 +80,19 @@ class Arm:
 
 
 class Coverage(unittest.TestCase):
-    def drawn(self, random):
+    def drawn(self, random, number):
         shifts, turns = numpy.zeros((7, 3)), numpy.zeros((7, 3))
         shifts[1:6], turns[1:6] = random.normal(0, SHIFT, (5, 3)), random.normal(0, TURN, (5, 3))
         shifts[5][0] = turns[5][0] = 0  # along and about joint 6's axis: of the tool, which is measured on the arm
-        return shifts, turns
+        return shifts, turns, random.normal(0, COUPLING) if number % 2 else 0
 
-    def readings(self, arm, random, shifts, turns):
+    def readings(self, arm, random, shifts, turns, coupling):
         """Joints as the controller has them, and the reflector in the tracker's frame."""
         seen = small((3000, -1500, 700), numpy.array([0.3, -0.2, 2.1]))
         lines = ["a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,x_mm,y_mm,z_mm"]
         for _ in range(POSES):
             q = arm.posture(random)
-            place = (seen @ arm.flange(q, shifts, turns) @ numpy.array([60, -40, 210, 1]))[:3] + random.normal(0, NOISE, 3)
+            place = (seen @ arm.flange(q, shifts, turns, coupling) @ numpy.array([60, -40, 210, 1]))[:3] + random.normal(0, NOISE, 3)
             lines.append(",".join(f"{value:.9f}" for value in [*q, *place]))
         path = loop.BENCH.top / "readings.csv"
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -104,27 +108,31 @@ class Coverage(unittest.TestCase):
         base = numpy.hstack([normal, numpy.cross((place - place.mean(axis=0)) / 100, normal)])
         return each[:, 0].astype(int), off - base @ numpy.linalg.lstsq(base, off, rcond=1e-6)[0]
 
-    def run_one(self, cell, place, size, controllers, random):
+    def run_one(self, cell, place, size, controllers, number, random):
         """By controller: errors along the normal, and the halves of the intervals that are told for them; µm.
         None where the readings are refused."""
         nominal = loop.BENCH.top / "cells" / f"{cell}.yaml"
-        shifts, turns = self.drawn(random)
+        shifts, turns, coupling = self.drawn(random, number)
         rows = lambda values: json.dumps(values.tolist())
+        follows = f"couplings: [{{joint: 3, follows: 2, factor: {coupling:.17f}}}], " if coupling else ""
         truth = cell_with(nominal, "true", f'  serial: "1"\n  deviations: {{shifts_mm: {rows(shifts)}, turns_mrad: {rows(1e3 * turns)}, '
-                                                   "source: drawn, date: 2026-11-28}\n")
+                                                   f"{follows}source: drawn, date: 2026-11-28}}\n")
         known = cell_with(nominal, "known")
-        result = loop.BENCH.run("identify", self.readings(Arm(nominal), random, shifts, turns), "--geometry", "--cell", known, "--write-cell",
+        result = loop.BENCH.run("identify", self.readings(Arm(nominal), random, shifts, turns, coupling), "--geometry", "--cell", known, "--write-cell",
                                 known, "--serial", "1", "--date", "2026-11-28", "--shift-prior-mm", SHIFT, "--turn-prior-mrad", 1e3 * TURN)
         if result.returncode == 1 and "more than 4 times the sheet's own deviation" in result.stdout:
             return None  # refused, as is said: of 26 drawn numbers one lies far out
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
-        job = small_job(loop.BENCH, "known", place, size, controllers, cell, "{deviations: true}")
+        coupled = "couplings:" in known.read_text(encoding="utf-8")
+        job = small_job(loop.BENCH, "known", place, size, controllers, cell, "{deviations: true, max_gear_mm: 10}" if coupled else "{deviations: true}")
         result, folder = loop.BENCH.plan(job, f"drawn_{cell}")  # keeps what is the same for all arms
-        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        left_out = result.returncode == 1 and "where the arm as it is is commanded" in result.stdout  # a drawn arm may come too near
+        self.assertTrue(result.returncode == 0 or left_out, result.stdout + result.stderr)
         told = {int(row["point"]): float(row["arm_left_um_95"]) for row in loop.rows_of(folder / "compensation.csv") if row["arm_left_um_95"]}
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         line = next(row for row in summary["budget"]["rows"] if row["source"] == "geometry")
-        self.assertAlmostEqual(line["um"], max(told.values()), delta=0.02)
+        if told:
+            self.assertAlmostEqual(line["um"], max(told.values()), delta=0.02)
         carried = {one["controller"]: one["carried_within_um"] for one in summary["compensation"]["programs"]}
         found = {}
         for controller in controllers:
@@ -135,36 +143,40 @@ class Coverage(unittest.TestCase):
     def test_intervals_hold_and_are_no_wider_than_they_need_be(self):
         spreads = []
         for index, (cell, place, size, controllers) in enumerate(ARMS):
+            if cell not in CELLS:
+                continue
             if not loop.SLOW:
-                if cell == "ur10e":  # its plans take as long as all others'
-                    continue
                 controllers = controllers[:1]
-            draws = [self.run_one(cell, place, size, controllers, numpy.random.default_rng((index, number))) for number in range(DRAWS)]
+            draws = [self.run_one(cell, place, size, controllers, number, numpy.random.default_rng((index, number))) for number in range(DRAWS)]
+            refused = draws.count(None)
             draws = [draw for draw in draws if draw]
-            self.assertGreaterEqual(len(draws), 0.98 * DRAWS)
-            for controller in controllers:
-                spreads.append(self.judge(controller, *(numpy.concatenate(parts) for parts in zip(*(draw[controller] for draw in draws)))))
+            told = [(controller, *(numpy.concatenate(parts) for parts in zip(*(draw[controller] for draw in draws)))) for controller in controllers]
+            found = [self.told(len(draws), *one) for one in told]
+            if loop.SLOW or os.environ.get("MILLPOSE_TELL"):
+                print("\n".join(words for words, *_ in found), f"{refused} arms refused by identify", sep="\n", flush=True)
+            self.assertLessEqual(refused, 0.05 * DRAWS)
+            for words, covered, ratio, spread in found:
+                spreads.append(spread)
+                if loop.SLOW:
+                    self.assertGreaterEqual(covered, 0.93, words)
+                    self.assertLessEqual(covered, 0.97, words)
+                    self.assertLess(ratio, 1.5, words)
         if not loop.SLOW:
             # Few arms tell the width alone, and roughly: halved or doubled is out.
             spread = numpy.sqrt(numpy.mean(numpy.square(spreads)))
             self.assertGreater(spread, LEAST, spreads)
             self.assertLess(spread, MOST, spreads)
 
-    def judge(self, what, errors, halves):
+    @staticmethod
+    def told(arms, controller, errors, halves):
+        """(sentence, share covered, width of the intervals ÷ that of the errors, their spread against what is told)"""
         covered = numpy.mean(numpy.abs(errors) <= halves)
         most = numpy.quantile(numpy.abs(errors), 0.95)
         ratio = numpy.median(halves) / most
         spread = numpy.sqrt(numpy.mean((1.96 * errors / halves) ** 2))  # 1 where intervals are as wide as errors need
-        told = f"{what}: {DRAWS} arms, {len(errors)} points: {100 * covered:.1f} % covered, median half width " \
-               f"{numpy.median(halves):.2f} µm, 95 % of errors below {most:.2f} µm, ratio {ratio:.2f}, spread {spread:.2f}"
-        if loop.SLOW or os.environ.get("MILLPOSE_TELL"):
-            print(told, flush=True)
-        if loop.SLOW:
-            self.assertGreaterEqual(covered, 0.93, told)
-            self.assertLessEqual(covered, 0.97, told)
-            self.assertLess(ratio, 1.5, told)
-        return spread
+        return (f"{controller}: {arms} arms, {len(errors)} points: {100 * covered:.1f} % covered, median half width {numpy.median(halves):.2f} µm, "
+                f"95 % of errors below {most:.2f} µm, ratio {ratio:.2f}, spread {spread:.2f}"), covered, ratio, spread
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[5:], verbosity=2)
+    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -230,7 +230,7 @@ class ReportInBrowser(BrowserCase):
         self.open("#point=85")
         self.assertEqual(self.text("#map-title"), "Axis map of pass 2")
         self.assertIn("Point 85: ", self.text("#map-why"))
-        self.assertIn("link4 and panel", self.text("#map-legend"))
+        self.assertIn("link4 / panel", self.text("#map-legend"))
         place = """(() => { const map = millpose.views.map, b = map.canvas.node.getBoundingClientRect();
             for (let c = 1; c < map.cells.length; ++c) for (let j = 0; j < map.steps; ++j) {
               const cell = map.cells[c][map.cellIndex(j)];
@@ -242,7 +242,7 @@ class ReportInBrowser(BrowserCase):
         view = self.browser.screenshot("#view canvas")
         self.browser.click(met["x"], met["y"])
         self.assert_all_show(met["row"])
-        self.assertIn("link4 and panel", self.text("#map-pose"))
+        self.assertIn("link4 / panel", self.text("#map-pose"))
         self.assertNotEqual(self.browser.screenshot("#view canvas"), view)
         # The tool stands at the point, turned to the rotation that was clicked.
         tip = self.js(f"""(() => {{ const m = millpose, d = m.data, q = m.jointsAt(d, {met["row"]}, {met["rotation"]}, {met["branch"]});

@@ -18,7 +18,7 @@ class CheckInBrowser(BrowserCase):
     def write_pages(cls):
         cls.pages = {}
         for name, what in (("job", cls.narrow_job(cls.folder)), ("cell", TOP / "cells/ur10e.yaml"), ("part", TOP / "toolpaths/cabin_ring/cabin_ring.stl"),
-                           ("step", TOP / "tests/fuzz/seeds/step/patch.step")):
+                           ("step", TOP / "tests/fuzz/seeds/step/patch.step"), ("rough", TOP / "toolpaths/support_rough/job.yaml")):
             cls.pages[name] = cls.folder / f"{name}.html"
             subprocess.run([MILLPOSE, "check", what, "--view", cls.pages[name], "-q"], stdout=subprocess.DEVNULL)
 
@@ -134,6 +134,33 @@ class CheckInBrowser(BrowserCase):
             self.js(f"document.querySelector('{box}').click()")
             self.browser.settle()
             self.assertNotEqual(self.browser.screenshot("#view canvas"), before, box)
+
+    def test_the_material_is_drawn_as_it_comes_and_as_the_path_leaves_it(self):
+        self.open("rough")
+        volume = "(() => { const s = millpose.views.scene.stock, p = s.position, n = s.count, a = s.raw.along; let sum = 0; for (let i = 0; i < n; ++i) if (s.stands(i)) sum += p[3 * (n + i) + a] - p[3 * i + a]; return sum * s.raw.spacing_mm ** 2 / 1000; })()"
+        choose = lambda value: self.js(f"(() => {{ const menu = document.querySelector('#show-stock'); menu.value = '{value}'; menu.dispatchEvent(new Event('change')); }})()") or self.browser.settle()
+        raw = self.js("millpose.data.removal.cm3")
+        self.assertAlmostEqual(self.js(volume), raw, delta=0.02 * raw)
+        self.assertTrue(self.js("millpose.views.scene.groups.stock.visible && millpose.views.scene.stock.mesh.material.opacity < 0.6"))
+        pictures = [self.browser.screenshot("#view canvas")]
+        self.keep("check_stock.png", self.browser.screenshot("#scene"))
+        choose(1)
+        left = self.js("millpose.data.removal.left[0]")
+        self.assertLess(left, 0.9 * raw)
+        self.assertAlmostEqual(self.js(volume), left, delta=0.03 * raw)
+        self.assertRegex(self.text("#removed"), r"^(\d+\.\d) of \1 cm³ milled off$")
+        pictures.append(self.browser.screenshot("#view canvas"))
+        self.keep("check_stock_left.png", self.browser.screenshot("#scene"))
+        choose("")
+        self.assertFalse(self.js("millpose.views.scene.groups.stock.visible"))
+        self.assertTrue(self.js("document.querySelector('#stock-scale').hidden"))
+        pictures.append(self.browser.screenshot("#view canvas"))
+        self.assertEqual(len(set(pictures)), 3)
+        choose(0)
+        self.assertAlmostEqual(self.js(volume), raw, delta=0.02 * raw)
+        # A job without a raw part has nothing to choose.
+        self.open("job")
+        self.assertEqual(self.js("document.querySelectorAll('#show-stock, #stock-scale').length"), 0)
 
     def test_nothing_that_is_read_lacks_its_words(self):
         """But for findings and notes, which stay English where no table has them."""

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "report/samples/plan_removal.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 
 namespace millpose {
@@ -101,6 +102,31 @@ TEST(CheckHtml, DrawsFromTheSideWhatIsTheWrongWayRound) {
     EXPECT_NEAR(name == "normal" ? down : right, 0, 0.11) << name;
   }
   EXPECT_FALSE(std::regex_search(drawn, std::regex("https?://|url\\(")));
+}
+
+// A block of 20 x 20 x 10 mm whose top a cutter goes over once, 4 mm deep.
+TEST(CheckHtml, CarriesTheMaterialAsItComesAndAsThePathLeavesIt) {
+  const Mesh part = Wedge();
+  const auto place = [](double x) { return CutterPlace{{x, 0, 1}, Eigen::Vector3d::UnitZ()}; };
+  const CutsOfTool cuts{{5, 0, 20}, {{place(-30), place(30), 0}}};
+  const std::vector<CutsOfTool> none;
+  const Removal removal =
+      PathRemoval(cuts, {test::BoxMesh({20, 20, 10}), part.triangles(), none, 0.5}, {.threads = 1});
+  CheckHtmlInput input;
+  input.part = &part;
+  EXPECT_TRUE(CheckDataOf(CheckHtml(input))["removal"].is_null());
+  input.removal = &removal;
+  const Json told = CheckDataOf(CheckHtml(input))["removal"];
+  EXPECT_NEAR(told["cm3"].get<double>(), 4, 0.05);
+  EXPECT_EQ(told["along"], 2);
+  EXPECT_LE(told["rows"].get<int>() * told["columns"].get<int>(), 10'000);
+  ASSERT_EQ(removal.frames.size(), 1u);
+  EXPECT_NEAR(removal.frames[0].volume / 1e3, 4 - 0.02 * 10 * 4, 0.05);
+  // Nothing is cut: it is left as it comes.
+  const Removal untouched = PathRemoval(
+      {cuts.cutter, {}}, {test::BoxMesh({20, 20, 10}), part.triangles(), none, 0.5}, {.threads = 1});
+  ASSERT_EQ(untouched.frames.size(), 1u);
+  EXPECT_EQ(untouched.frames[0].volume, untouched.volume);
 }
 
 TEST(CheckHtml, APartOrACellAloneIsAPageToo) {

@@ -299,6 +299,11 @@ class TreeBuilder : public YAML::EventHandler {
                     open->second == ']' ? '[' : '{', open->second, found.line, found.column));
   if (error.msg == YAML::ErrorMsg::FLOW_END)
     source.Fail(found, "not YAML: this bracket is not the end of the one that is open here");
+  if (error.msg == YAML::ErrorMsg::MAP_VALUE)
+    source.Fail(
+        found,
+        "not YAML: no key may stand before this colon; is one missing at the end of the line above, or "
+        "are quotes missing round a text with a colon?");
   source.Fail(found, "not YAML: " + error.msg);
 }
 

@@ -3,6 +3,7 @@
 #include "job/config/fields.hpp"
 #include "job/config/operations.hpp"
 #include "job/config/setups.hpp"
+#include "planning/pose/expression.hpp"
 #include "planning/pose/freedom_entry.hpp"
 #include "planning/pose/objective.hpp"
 #include "toolpath/strategy.hpp"
@@ -66,19 +67,50 @@ void ChooseObjective(const Value& value, const Context& context, JobSettings& jo
   }
 }
 
+// Where the job says what the part is milled from, that is what cuts meet.
+void ChooseStanding(const Value& value, JobSettings& job) {
+  if (job.workpiece.HasStock() && !value.Find("process")->FindKey("stock")) job.stock = Standing::kMesh;
+}
+
+// Of a drill's cut the tool, the feed and the hole say all, and it leaves no face.
+void CheckDrillCutting(const Value& value, const Context& context, const JobSettings& job) {
+  const Value* process = value.Find("process");
+  const Value* cutting = process->Find("cutting");
+  const auto useless = [&](const Value* of, const Context& at, const char* key, bool given,
+                           const std::string& why) {
+    if (const Value::Key* found = of->FindKey(key); found && given)
+      at.Child(key).Add(found->mark, "has no effect with strategy drill: " + why);
+  };
+  const CuttingSettings usual, &own = job.cutting.value_or(usual);
+  const Context at = context.Child("process");
+  for (const auto& [key, given] :
+       {std::pair("depth_mm", own.depth.has_value()), std::pair("width_mm", own.width.has_value()),
+        std::pair("side", own.side.has_value())})
+    useless(cutting, at.Child("cutting"), key, given, "the drill cuts the hole's diameter");
+  for (const auto& [key, given] : {std::pair("radial_ratio", own.radial_ratio != usual.radial_ratio),
+                                   std::pair("axial_ratio", own.axial_ratio != usual.axial_ratio)})
+    useless(cutting, at.Child("cutting"), key, given,
+            "its thrust has a law of its own (docs/process-force.md)");
+  useless(process, at, "force_factors", job.force_factors != ForceFactors(),
+          "a drill has no side of the cut; give kc11_N_mm2");
+  if (const Value* pose = value.Find("pose"); pose && ObjectiveNamed(job.objective).with_lost_motion)
+    useless(pose, context.Child("pose"), "objective", true, "it leaves no face; allowed: one of a point");
+}
+
 // The force of milling a surface is not that of a drill; that of an edge follows from what stands there.
 void CheckCutting(const Value& value, const Context& context, const JobSettings& job) {
   const Value::Key* cutting = value.Find("process")->FindKey("cutting");
   const Strategy& strategy = *job.toolpath.strategy;
   if (!cutting || strategy.HasMillingForce()) return;
+  if (strategy.DrillPoint()) return CheckDrillCutting(value, context, job);
   const Context at = context.Child("process").Child("cutting");
   if (!strategy.MillsWithSide())
-    at.Add(cutting->mark,
-           fmt::format("has no effect here: the force of milling a surface is not that of strategy {}",
-                       strategy.Name()));
+    at.Add(cutting->mark, fmt::format("has no effect here: of the force of strategy {} nothing is known with "
+                                      "its options as they stand (docs/drill-and-trim.md)",
+                                      strategy.Name()));
   else if (job.stock != Standing::kMesh || (job.cutting && job.cutting->side))
     at.Add(cutting->mark, fmt::format("the force of strategy {} follows from the material that stands; "
-                                      "allowed: with process.stock: mesh, without a side",
+                                      "allowed: with workpiece.stock (process.stock: mesh), without a side",
                                       strategy.Name()));
 }
 
@@ -87,12 +119,15 @@ void CheckForce(const Value& value, const Context& context, const JobSettings& j
   const Value* process = value.Find("process");
   const Value::Key* file = process->FindKey("force_csv");
   const bool compensated = job.compensation.deflection != TakeOut::kOff;
-  if (compensated && !job.cutting && job.force_file.empty()) {
+  const auto add_to_deflection = [&](const char* why) {
     const Value::Key* found = value.Find("compensation")->FindKey("deflection");
-    context.Child("compensation")
-        .Child("deflection")
-        .Add(found->mark, "needs the cutting force: process.cutting, or process.force_csv");
-  }
+    context.Child("compensation").Child("deflection").Add(found->mark, why);
+  };
+  if (compensated && job.toolpath.strategy->DrillPoint())
+    add_to_deflection(
+        "has no effect with strategy drill: its thrust moves holes along themselves; allowed: off");
+  else if (compensated && !job.cutting && job.force_file.empty())
+    add_to_deflection("needs the cutting force: process.cutting, or process.force_csv");
   if (file && !compensated)
     context.Child("process")
         .Child("force_csv")
@@ -107,10 +142,11 @@ void CheckForce(const Value& value, const Context& context, const JobSettings& j
 void CheckOverMissing(const Value& value, const Context& context, const JobSettings& job) {
   const Value* path = value.Find("path");
   const Value::Key* found = path ? path->FindKey("over_missing") : nullptr;
-  if (found && (!job.cutting || job.cutting->side))
+  if (found && (!job.cutting || job.cutting->side || job.toolpath.strategy->DrillPoint()))
     context.Child("path")
         .Child("over_missing")
-        .Add(found->mark, "has no effect here: needs process.cutting, without a side");
+        .Add(found->mark,
+             "has no effect here: needs process.cutting, without a side, of a cut along a face or an edge");
 }
 
 void CheckFreedoms(const Value& value, const Context& context, const JobSettings& job) {
@@ -132,6 +168,7 @@ void CheckFreedoms(const Value& value, const Context& context, const JobSettings
 void Check(const Value& value, const Context& context, JobSettings& job) {
   CheckPart(value, context, job);
   ChooseObjective(value, context, job);
+  ChooseStanding(value, job);
   CheckCutting(value, context, job);
   CheckFeeds(value, context, job);
   CheckOverMissing(value, context, job);

@@ -68,6 +68,14 @@ struct StockCylinder {
   double radius = 0, length = 0;                     ///< mm
 };
 
+/// What holds the part, beside what stands in the cell.
+struct FixtureSettings {
+  std::string name;
+  Mount mount = Mount::kWorkpiece;  ///< or kWorld
+  ShapeSettings shape;
+  PoseSettings pose;  ///< in P or W
+};
+
 struct WorkpieceSettings {
   std::string mesh_file;
   double unit = 1;  ///< mm per unit of the file: 1, 10, 25.4, 1000
@@ -89,6 +97,7 @@ struct WorkpieceSettings {
   std::optional<StockCylinder> stock_cylinder;   ///< likewise
   double stock_resolution = 0.5;                 ///< mm, between the lines on which material stands
   std::optional<double> allowance;  ///< material on the part's surface, mm; else toolpath.depth.total
+  std::vector<FixtureSettings> fixtures;
 
   bool HasStock() const { return !stock_file.empty() || stock_box || stock_cylinder; }
 };

@@ -2,6 +2,7 @@
 // The keys of a job's `path:`, `interference:` and `gaps:`, one line each.
 #include "job/config/fields.hpp"
 #include "planning/pose/freedom_entry.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose::config {
 
@@ -75,7 +76,9 @@ Codec<JobSettings> PathFields() {
               "Passes that would cut more than 20 % wider or deeper than the job's own because points before "
               "them are skipped: leave_out: they are left out too, with all that lies over them; cut: they "
               "are cut. Needs process.cutting without a side.")
-              .WhenSet([](const S& s) { return s.cutting && !s.cutting->side; })
+              .WhenSet([](const S& s) {
+                return s.cutting && !s.cutting->side && !s.toolpath.strategy->DrillPoint();
+              })
               .DefaultText("leave_out"),
       },
       CheckLifts);

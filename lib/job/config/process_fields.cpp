@@ -115,12 +115,13 @@ Codec<JobSettings> ProcessFields() {
              "Measured mean forces by point in place of the computed ones, for compensation; relative to the "
              "job file (docs/compensation.md).")
           .WhenSet([](const S& s) { return !s.force_file.empty(); }),
-      Key<S>(
-          "stock", MILLPOSE_AT(stock),
-          ChoiceOf<Standing>({{"region", Standing::kRegion}, {"mesh", Standing::kMesh}}),
-          "The material before the first pass: the region raised by the depth of all layers, or the mesh of "
-          "`workpiece.stock`.")
-          .WhenSet([](const S& s) { return s.cutting.has_value(); }),
+      Key<S>("stock", MILLPOSE_AT(stock),
+             ChoiceOf<Standing>({{"region", Standing::kRegion}, {"mesh", Standing::kMesh}}),
+             "The material before the first pass: the region raised by the depth of all layers, or what "
+             "stands of "
+             "`workpiece.stock`.")
+          .WhenSet([](const S& s) { return s.cutting.has_value(); })
+          .DefaultText("mesh with workpiece.stock, else region"),
       Key<S>("force_uncertainty_percent", MILLPOSE_AT(force_uncertainty_percent),
              Real({"%", 1, 1}, UpTo(1000)),
              "By how much the true cutting force may exceed the computed one; objectives surface_error and "

@@ -9,8 +9,8 @@ namespace {
 constexpr size_t kMostSetups = 9;
 
 // Of the workpiece: what differs from setup to setup.
-const std::vector<std::string> kPlaceKeys = {"frame",           "pose",         "targets",
-                                             "max_residual_mm", "registration", "registered"};
+const std::vector<std::string> kPlaceKeys = {"frame",        "pose",       "targets", "max_residual_mm",
+                                             "registration", "registered", "fixtures"};
 
 std::vector<FieldInfo> SetupKeys() {
   std::vector<FieldInfo> keys = {{"name", "text", "", "Name of the setup.", true, {}}};
@@ -21,7 +21,7 @@ std::vector<FieldInfo> SetupKeys() {
                     fmt::format("As `workpiece.{}`, for the operations of this setup.", key),
                     false,
                     {}});
-  keys[3].type = "list of maps";
+  keys[3].type = keys.back().type = "list of maps";
   return keys;
 }
 

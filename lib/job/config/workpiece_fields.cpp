@@ -245,6 +245,17 @@ Codec<WorkpieceSettings> StockFields() {
       CheckStock);
 }
 
+Codec<FixtureSettings> FixtureFields() {
+  using S = FixtureSettings;
+  return Section<S>(
+      {Key<S>("name", MILLPOSE_AT(name), Text(), "Name, as in findings; no other body has it.").Required(),
+       Key<S>("mount", MILLPOSE_AT(mount),
+              ChoiceOf<Mount>({{"workpiece", Mount::kWorkpiece}, {"world", Mount::kWorld}}),
+              "Frame that its pose is given in: a clamp goes where the part goes, or stands on the table."),
+       Key<S>("shape", MILLPOSE_AT(shape), ShapeFields(), "One shape.").Required(),
+       Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Place of the shape in that frame.").Required()});
+}
+
 }  // namespace
 
 Codec<WorkpieceSettings> WorkpieceFields() {
@@ -306,6 +317,9 @@ Codec<WorkpieceSettings> WorkpieceFields() {
                  "The raw part, in the workpiece's frame: kept clear of between the cuts, and milled away "
                  "cut by cut.")
               .WhenSet([](const S& s) { return s.HasStock(); }),
+          Key<S>("fixtures", MILLPOSE_AT(fixtures), ListOf(FixtureFields()),
+                 "What clamps the part, beside the cell's bodies: kept clear of as a body of class fixture.")
+              .WhenSet([](const S& s) { return !s.fixtures.empty(); }),
       },
       CheckPlacement);
 }

@@ -70,8 +70,9 @@ double Dot(const VectorXd& a, const VectorXd& b) {
 
 /// Of two places ÷ s².
 double Covariance(const MilledPlace& a, const MilledPlace& b, const ErrorField::Shape& shape) {
-  return (1 + shape.by_feed * a.feed.dot(b.feed)) *
-         (1 + Matern((a.position - b.position).norm(), shape.length));
+  double product = 0;
+  for (int gear = 0; gear < kMostGears; ++gear) product += a.flanks[gear] * b.flanks[gear];
+  return 1 + Matern((a.position - b.position).norm(), shape.length) + shape.by_flanks * product;
 }
 
 /// Of the places' values ÷ s².
@@ -103,12 +104,21 @@ double HalfSize(const std::vector<ErrorReading>& readings) {
   return std::max(1e-3, 0.5 * (high - low).norm());
 }
 
+/// 1 ÷ the mean square of the flanks' length, rad²/mm²; 0 where none is known.
+double FlankScale(const std::vector<ErrorReading>& readings) {
+  double squares = 0;
+  for (const ErrorReading& reading : readings)
+    for (int gear = 0; gear < kMostGears; ++gear)
+      squares += reading.place.flanks[gear] * reading.place.flanks[gear];
+  return squares > 0 ? static_cast<double>(readings.size()) / squares : 0;
+}
+
 /// Centres such that every reading is near to one: each new one is the reading farthest from those before,
-/// until it is nearer than `kSamePlace` or there are `kMostPlaces`. Places passed in other ways are far.
+/// until it is nearer than `kSamePlace` or there are `kMostPlaces`. Places passed on other flanks are far.
 std::vector<size_t> OwnerOf(const std::vector<ErrorReading>& readings) {
-  const double half = HalfSize(readings);
+  const double apart_by_flanks = HalfSize(readings) * std::sqrt(FlankScale(readings));
   const auto apart = [&](const MilledPlace& a, const MilledPlace& b) {
-    return (a.position - b.position).norm() + half * (a.feed - b.feed).norm();
+    return (a.position - b.position).norm() + apart_by_flanks * (a.flanks - b.flanks).norm();
   };
   std::vector<size_t> owner(readings.size(), 0);
   std::vector<double> distance(readings.size(), std::numeric_limits<double>::infinity());
@@ -132,13 +142,13 @@ Places PlacesOf(const std::vector<ErrorReading>& readings) {
   for (size_t i = 0; i < readings.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(owner[i]);
     places.at[owner[i]].position += readings[i].place.position;
-    places.at[owner[i]].feed += readings[i].place.feed;
+    places.at[owner[i]].flanks += readings[i].place.flanks;
     places.value[k] += readings[i].error;
     places.count[k] += 1;
   }
   for (size_t k = 0; k < n; ++k) {
     places.at[k].position /= places.count[static_cast<Eigen::Index>(k)];
-    places.at[k].feed /= places.count[static_cast<Eigen::Index>(k)];
+    places.at[k].flanks /= places.count[static_cast<Eigen::Index>(k)];
   }
   for (Eigen::Index k = 0; k < places.value.size(); ++k) places.value[k] /= places.count[k];
   std::vector<double> spread(n, 0);
@@ -221,10 +231,10 @@ FittedErrors FitErrors(const std::vector<ErrorReading>& readings) {
   std::vector<double> least_drawn(kDrawn, std::numeric_limits<double>::infinity());
   double least = std::numeric_limits<double>::infinity();
   ErrorField::Shape best;
-  const double half = HalfSize(readings);
+  const double half = HalfSize(readings), by_flanks = FlankScale(readings);
   for (int choice = 0; choice < 2 * kLevels * static_cast<int>(kLengths.size()); ++choice) {
     ErrorField::Shape shape;
-    shape.by_feed = choice % 2;
+    shape.by_flanks = choice % 2 * by_flanks;
     shape.length = kLengths[static_cast<size_t>(choice / 2 / kLevels)] * half;
     shape.noise_ratio = 1e-4;
     for (int level = choice / 2 % kLevels; level > 0; --level) shape.noise_ratio *= 6;

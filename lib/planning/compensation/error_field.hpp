@@ -6,12 +6,16 @@
 #include <optional>
 #include <vector>
 
+#include "machine/motion/lost_motion.hpp"
+
 namespace millpose {
 
-/// A place of a face and the way in which the tool passed it.
+/// A place of a face and how the arm's gears stood when the tool passed it.
 struct MilledPlace {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in P, mm
-  Eigen::Vector3d feed = Eigen::Vector3d::Zero();      ///< in P, unit vector; zero: not known
+  /// On which flanks the gears stood, each with its lever along the normal, mm/rad (FlankLevers()); zero: not
+  /// known.
+  GearValues flanks = GearValues::Zero();
 };
 
 /// What was measured at one.
@@ -21,15 +25,15 @@ struct ErrorReading {
 };
 
 /// A Gaussian process over places (Rasmussen and Williams 2006, chapters 2, 4.2 and 5.4) with covariance
-/// s²·(1 + a·f·f')·(1 + m(r/ℓ)): m is Matérn's function of order 5/2 over their distance r, the 1 beside it
-/// an error that all places share. a·f·f' is what follows the feed f: lost motion errs one way there and the
-/// other way back.
+/// s²·(1 + m(r/ℓ) + a·g·g'): m is Matérn's function of order 5/2 over their distance r, the 1 beside it an
+/// error that all places share. g are the flanks, in units of their RMS length: each gear leaves the
+/// unknown half of its lost motion times its lever, one way there and the other way back.
 class ErrorField {
  public:
   ErrorField() = default;
   struct Shape {
     double length = 1;       ///< ℓ, mm
-    double by_feed = 0;      ///< a
+    double by_flanks = 0;    ///< a ÷ the mean square of g, rad²/mm²
     double noise_ratio = 1;  ///< variance of one reading ÷ s²
   };
   /// Through `values` (mm) at `places`, each the mean of `counts` readings.
@@ -67,11 +71,11 @@ struct FittedErrors {
   bool significant = false;
 };
 
-/// Readings nearer than 0.01 mm are of one place; of more than 250 places neighbours that were passed the
-/// same way are averaged. Length, share that follows the feed, and noise are those that foretell every place
-/// best from the others (leave-one-out, exact): of 4 lengths between an eighth of the face's half size and
-/// the whole, a of 0 and 1, and 8 levels of noise. The same bits on every
-/// machine. At least 6 readings, else nothing is significant.
+/// Readings nearer than 0.01 mm are of one place; of more than 250 places neighbours that were passed on the
+/// same flanks are averaged. Length, share that follows the flanks, and noise are those that foretell every
+/// place best from the others (leave-one-out, exact): of 4 lengths between an eighth of the face's half size
+/// and the whole, a of 0 and 1, and 8 levels of noise. The same bits on every machine. At least 6 readings,
+/// else nothing is significant.
 FittedErrors FitErrors(const std::vector<ErrorReading>& readings);
 
 /// How much of a field comes back on another part.

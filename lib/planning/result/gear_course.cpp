@@ -2,6 +2,7 @@
 #include "planning/result/gear_course.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -55,23 +56,42 @@ PosedGears GearsAt(const GearModel& model, const GearedArm& geared, const PosedP
   return placed;
 }
 
-PieceGears FollowPiece(const GearModel& model, const GearedArm& arm, const std::vector<PosedPoint>& places,
-                       bool closed) {
-  PieceGears gears;
-  std::vector<GearPlace> way;
+namespace {
+
+/// The gears at the points of a piece, a closed one back at its first.
+std::vector<PosedGears> AlongPiece(const GearModel& model, const GearedArm& arm,
+                                   const std::vector<PosedPoint>& places, bool closed) {
+  std::vector<PosedGears> along;
   Joints near = Joints::Zero();
   const auto add = [&](PosedPoint posed) {
-    if (!way.empty()) posed.q = NearestEquivalent(near, posed.q);
+    if (!along.empty()) posed.q = NearestEquivalent(near, posed.q);
     near = posed.q;
-    const auto [place, levers] = GearsAt(model, arm, posed);
-    way.push_back(place);
-    gears.levers.push_back(levers);
+    along.push_back(GearsAt(model, arm, posed));
   };
   for (const PosedPoint& posed : places) add(posed);
   if (closed && !places.empty()) add(places.front());
+  return along;
+}
+
+std::vector<GearPlace> WayOf(const std::vector<PosedGears>& along) {
+  std::vector<GearPlace> way;
+  for (const PosedGears& posed : along) way.push_back(posed.place);
+  return way;
+}
+
+}  // namespace
+
+PieceGears FollowPiece(const GearModel& model, const GearedArm& arm, const std::vector<PosedPoint>& places,
+                       bool closed) {
+  const std::vector<PosedGears> along = AlongPiece(model, arm, places, closed);
+  const std::vector<GearPlace> way = WayOf(along);
+  PieceGears gears;
   gears.events = GearEvents(model.lost, way);
   const std::vector<GearValues> offsets = OffsetsAlong(model.lost, way);
-  for (size_t t = 0; t < way.size(); ++t) gears.errors.push_back(gears.levers[t].dot(offsets[t]));
+  for (size_t t = 0; t < way.size(); ++t) {
+    gears.levers.push_back(along[t].levers);
+    gears.errors.push_back(along[t].levers.dot(offsets[t]));
+  }
   return gears;
 }
 
@@ -143,20 +163,83 @@ void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& 
   }
 }
 
+namespace {
+
+PosedPoint PosedAt(const PlanResult& plan, const PassResult& pass, size_t point) {
+  const ExternalPosition& external = ExternalAt(pass, point);
+  return {&pass.points[point].point, pass.points[point].q, BaseAt(plan, external), external};
+}
+
+}  // namespace
+
 GearCourse FollowGears(const PlanResult& plan, const GearModel& model, const FaceFilter& face) {
   GearCourse course;
   const Mechanism mechanism(plan.external_axes);
   for (const PassResult& pass : plan.passes)
     FollowPass(
-        model, {plan.arm, plan.X_FT, mechanism}, pass,
-        [&](size_t t) {
-          const ExternalPosition& external = ExternalAt(pass, t);
-          return PosedPoint{&pass.points[t].point, pass.points[t].q, BaseAt(plan, external), external};
-        },
-        face, course);
+        model, {plan.arm, plan.X_FT, mechanism}, pass, [&](size_t t) { return PosedAt(plan, pass, t); }, face,
+        course);
   std::ranges::stable_sort(course.marks, {},
                            [](const GearMark& mark) { return std::pair(mark.point, mark.gear); });
   return course;
+}
+
+namespace {
+
+/// Every gear with a gap.
+LostMotion WithGaps(const GearModel& model, const std::vector<ExternalAxis>& external) {
+  constexpr double kGap = 0.5 * kArcmin, kLinearGap = 0.01;  // rad, mm
+  LostMotion lost = model.lost;
+  for (int gear = 0; gear < 6 + static_cast<int>(external.size()); ++gear) {
+    if (model.known[static_cast<size_t>(gear)] && lost.width[gear] > 0) continue;
+    const bool linear = gear >= 6 && external[static_cast<size_t>(gear) - 6].kind == AxisKind::kLinear;
+    lost.width[gear] = linear ? kLinearGap : kGap;
+  }
+  return lost;
+}
+
+/// Where the approach of each piece begins, by pass and number of the piece.
+std::map<std::pair<int, int>, Joints> ApproachesOf(const PlanResult& plan) {
+  std::map<std::pair<int, int>, Joints> approaches;
+  for (const LinkMove& link : plan.gaps)
+    if (link.planned && link.to_pass >= 0 && !link.joints.empty())
+      approaches[{link.to_pass, link.to_piece}] = link.joints.back();
+  return approaches;
+}
+
+}  // namespace
+
+std::vector<std::vector<GearValues>> FlankLevers(const PlanResult& plan, const GearModel& model) {
+  const LostMotion lost = WithGaps(model, plan.external_axes);
+  const Mechanism mechanism(plan.external_axes);
+  const auto approaches = ApproachesOf(plan);
+  std::vector<std::vector<GearValues>> all;
+  for (const PassResult& pass : plan.passes) {
+    std::vector<GearValues>& flanks = all.emplace_back(pass.points.size(), GearValues::Zero());
+    for (size_t number = 0; number < pass.pieces.size(); ++number) {
+      const Segment& piece = pass.pieces[number];
+      std::vector<PosedPoint> places;
+      for (int i = piece.first; i <= piece.last; ++i)
+        places.push_back(PosedAt(plan, pass, static_cast<size_t>(i)));
+      const std::vector<PosedGears> along =
+          AlongPiece(model, {plan.arm, plan.X_FT, mechanism}, places, piece.closed);
+      std::vector<GearPlace> way = WayOf(along);
+      const auto approach = approaches.find({pass.pass, static_cast<int>(number)});
+      if (approach != approaches.end()) {
+        GearPlace before = way.front();
+        before.at = AtGears(lost, NearestEquivalent(places[0].q, approach->second), places[0].external);
+        way.insert(way.begin(), before);
+      }
+      const std::vector<GearValues> offsets = OffsetsAlong(lost, way);
+      for (size_t t = 0; t < places.size(); ++t)
+        for (int gear = 0; gear < kMostGears; ++gear)
+          if (lost.width[gear] > 0)
+            flanks[static_cast<size_t>(piece.first) + t][gear] =
+                along[t].levers[gear] * offsets[t + way.size() - along.size()][gear] /
+                (0.5 * lost.width[gear]);
+    }
+  }
+  return all;
 }
 
 int GearTally::Turns() const { return std::accumulate(turns.begin(), turns.end(), 0); }

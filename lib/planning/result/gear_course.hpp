@@ -102,6 +102,12 @@ void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& 
                 const std::function<PosedPoint(size_t)>& posed, const FaceFilter& face, GearCourse& course);
 GearCourse FollowGears(const PlanResult& plan, const GearModel& model, const FaceFilter& face);
 
+/// By gears, for every point of every pass: how far the tip goes along the normal per unit of half the lost
+/// motion, mm/rad (mm/mm), where the output stands in its gap; on a flank ± the lever, between the flanks
+/// less; zero where nothing is planned. Each piece is entered as by its approach. A gap that is not known
+/// counts with 0.5 arcmin (0.01 mm).
+std::vector<std::vector<GearValues>> FlankLevers(const PlanResult& plan, const GearModel& model);
+
 /// Figures of a course. Where a gear's lost motion is not known it counts with 1 arcmin (0.001 mm).
 struct GearTally {
   std::array<int, kMostGears> turns{}, crossings{};

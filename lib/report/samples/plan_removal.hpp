@@ -21,4 +21,8 @@ struct RawPart {
 Removal PlanRemoval(const PlanResult& plan, const Timeline& timeline, const RawPart& raw,
                     const CutterShape& cutter, const Execution& execution);
 
+/// What comes to a path that nobody has planned yet, and in one frame, that of 1 s, what its cuts leave: on
+/// some 10,000 lines. Throws Interrupted.
+Removal PathRemoval(const CutsOfTool& cuts, const RawPart& raw, const Execution& execution);
+
 }  // namespace millpose

@@ -3,7 +3,7 @@
 (function (m) {
   "use strict";
 
-  const { floats, uint32 } = m.unpack;
+  const { floats, uint32, uint16 } = m.unpack;
   const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 
   m.REACH = ["within reach", "too far or too near", "outside a limit", "near a singularity"];
@@ -38,6 +38,7 @@
       data.part = Object.assign({}, raw.part, { vertices: floats(raw.part.vertices), triangles: uint32(raw.part.triangles),
         faceOf: uint32(raw.part.face_of), inRegion: uint32(raw.part.in_region),
         edges: raw.part.edges.map((e) => Object.assign({}, e, { sides: floats(e.sides_mm) })) });
+    data.removal = raw.removal && m.readRemoval(raw.removal, { floats, uint32, uint16 });
     return data;
   };
 })((window.millpose = window.millpose || {}));

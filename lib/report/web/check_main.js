@@ -11,7 +11,7 @@
 
   function fillHeader(data) {
     $("job").textContent = data.title;
-    $("about").textContent = [data.cell ? `${data.cell.arm.name} in cell ${data.cell.name}` : "", "checked, nothing planned"].filter((t) => t).join("; ");
+    $("about").textContent = [data.cell ? `${data.cell.arm.name} in cell ${data.cell.name}` : "", data.measured ? `arm ${data.measured}` : "", "checked, nothing planned"].filter((t) => t).join("; ");
     const fact = (value, label, bad) => m.element("div", { class: bad ? "fact bad" : "fact" }, m.element("b", {}, value), label);
     const facts = [];
     if (data.path) {
@@ -47,7 +47,7 @@
       cell(vector(e.place_mm, 2), true), cell(vector(e.normal, 3), true)]);
   }
 
-  const AS_IS = ["STEP id", "name"];
+  const AS_IS = ["STEP id", "name"], SEEN_THROUGH = 0.4;
   // Names and values of what was picked.
   function describe(data, title, lines) {
     $("picked").querySelector("h2").textContent = title;
@@ -69,6 +69,25 @@
     $("scale-bar").style.background = `linear-gradient(to right, ${stops.join(",")})`;
     $("scale-ticks").replaceChildren(...[0, 0.5, 1].map((t) => m.element("span", {}, m.format(scale.low + t * (scale.high - scale.low), 3))));
     $("scale-label").textContent = `${column.symbol}${column.unit ? " in " + column.unit : ""}; red: out of reach`;
+  }
+
+  // The raw part as it comes to the path, or as the points that are reached leave it.
+  function showStock(data, scene) {
+    const menu = $("show-stock"), { stock } = scene || {};
+    if (!stock) {
+      menu.parentNode.remove();
+      return $("stock-scale").remove();
+    }
+    Object.assign(stock.mesh.material, { transparent: true, opacity: SEEN_THROUGH, depthWrite: false });
+    m.drawStockScale(stock);
+    const show = () => {
+      $("stock-scale").hidden = menu.value === "";
+      $("removed").textContent = m.removedText(data.removal, Number(menu.value));
+      scene.show("stock", menu.value !== "");
+      scene.millUntil(Number(menu.value));
+    };
+    menu.addEventListener("change", show);
+    show();
   }
 
   function start() {
@@ -103,6 +122,7 @@
       $("view").append(m.element("p", { class: "note no-view" }, "This browser has no WebGL: the 3-D view is left out. " + error.message));
     }
     const { scene } = view;
+    showStock(data, scene);
     if (scene) {
       const parts = (view.parts = new m.CheckParts(scene, data)), pickPoint = scene.pick.bind(scene);
       if (data.cell) scene.pose(data.cell.home_deg, "");

@@ -10,7 +10,7 @@
     return array.buffer;
   }
   // Also for check_data.js.
-  m.unpack = { floats: (text) => floats(text), uint32: (text) => uint32(text) };
+  m.unpack = { floats: (text) => floats(text), uint32: (text) => uint32(text), uint16: (text) => uint16(text) };
   const floats = (text) => new Float32Array(bytes(text));
   const uint32 = (text) => new Uint32Array(bytes(text));
   const uint16 = (text) => new Uint16Array(bytes(text));

@@ -26,7 +26,8 @@
     if (zone < UNCHECKED) return `A${zone - 1} beyond its limit`;
     if (zone === UNCHECKED) return "not checked for interference";
     if (zone === FREE) return "free";
-    return data.map.pairs[zone - PAIR] || "further pairs";
+    const pair = data.map.pairs[zone - PAIR];  // names, which no language has words between
+    return pair ? pair.replace(" and ", " / ") : "further pairs";
   };
 
   const HATCH = {

@@ -148,6 +148,12 @@
     return `${off.toFixed(1)} of ${(cm3 - left[left.length - 1]).toFixed(1)} cm³ milled off`;
   };
 
+  m.drawStockScale = function (stock) {
+    const stops = Array.from({ length: 15 }, (_, i) => m.css(m.viridis(i / 14)));
+    document.getElementById("stock-bar").style.background = `linear-gradient(to right, ${stops.join(",")})`;
+    document.getElementById("stock-ticks").replaceChildren(...[0, 0.5, 1].map((t) => m.element("span", {}, m.format(stock.mm(t), 2))));
+  };
+
   // The scale of its colours, and the box that shows it: ticked by the first Play, unless somebody has been there before.
   m.StockView = class {
     constructor(scene) {
@@ -159,10 +165,7 @@
         this.scale.remove();
         return;
       }
-      const stops = Array.from({ length: 15 }, (_, i) => m.css(m.viridis(i / 14)));
-      document.getElementById("stock-bar").style.background = `linear-gradient(to right, ${stops.join(",")})`;
-      const ticks = [0, 0.5, 1].map((t) => m.element("span", {}, m.format(scene.stock.mm(t), 2)));
-      document.getElementById("stock-ticks").replaceChildren(...ticks);
+      m.drawStockScale(scene.stock);
       this.box.addEventListener("change", () => this.show(this.box.checked));
       this.show(false);
     }

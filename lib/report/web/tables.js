@@ -178,7 +178,7 @@
       section.remove();
       return;
     }
-    section.querySelector("p").textContent = data.fixed.join(" ") + " Below 1 the plan is better.";
+    section.querySelector("ul").append(...data.fixed.map((line) => m.element("li", {}, line)));
   };
 
   // The price of the path against each point's own best pose, and how near the search came to its bound.

@@ -20,17 +20,35 @@ th { padding: 0; vertical-align: bottom; }
 th button { font: inherit; font-weight: 600; color: inherit; background: none; border: 0; padding: 6px; width: 100%; text-align: inherit; vertical-align: bottom; white-space: normal; cursor: pointer; }
 th[aria-sort=ascending] button::after { content: " \25B2"; }
 th[aria-sort=descending] button::after { content: " \25BC"; }
-td.cause { white-space: pre-wrap; min-width: 220px; overflow-wrap: anywhere; }
+tbody { break-inside: avoid; }
+tbody:has(.told) tr:first-child td { border-bottom: 0; }
+td.told { white-space: normal; color: var(--muted); padding: 0 6px 8px 24px; }
+td.told p { white-space: pre-wrap; overflow-wrap: anywhere; margin: 0; max-width: 110ch; }
+td.told p.bad { font-weight: 400; }
+summary { cursor: pointer; }
+.changes { display: grid; grid-template-columns: max-content 1fr; gap: 1px 14px; padding: 4px 0 4px 18px; max-width: 110ch; overflow-wrap: anywhere; }
+/* A job is a block of lines, head and figure, where its row would not fit: small windows, and paper. */
+@media (max-width: 900px) {
+  thead { display: none; }
+  table, tbody, td { display: block; }
+  tbody { border-bottom: 1px solid var(--line); padding: 4px 0; }
+  tbody:last-child { border-bottom: 0; }
+  tr { display: grid; grid-template-columns: repeat(auto-fill, minmax(220px, 1fr)); gap: 0 28px; padding: 0 10px; }
+  td { display: flex; justify-content: space-between; gap: 12px; padding: 1px 0; border: 0; white-space: normal; }
+  td::before { content: attr(data-head); color: var(--muted); font-weight: 400; }
+  td:first-child { display: block; grid-column: 1 / -1; font-weight: 600; overflow-wrap: anywhere; }
+  td[data-v=""], td:empty { display: none; }
+  td.told { display: block; padding: 0 0 4px; font-weight: 400; }
+}
 )html";
 
-constexpr const char* kTail = R"html(</tbody>
-</table>
+constexpr const char* kTail = R"html(</table>
 </div>
 <script>
 "use strict";
-const head = [...document.querySelectorAll("th")], body = document.querySelector("tbody");
-const value = (row, column) => {
-  const cell = row.cells[column];
+const head = [...document.querySelectorAll("th")], table = document.querySelector("table");
+const value = (body, column) => {
+  const cell = body.rows[0].cells[column];
   return "v" in cell.dataset ? (cell.dataset.v === "" ? null : Number(cell.dataset.v)) : cell.textContent;
 };
 const order = (a, b) => typeof a === "number" ? a - b : a < b ? -1 : a > b ? 1 : 0;
@@ -38,13 +56,13 @@ head.forEach((cell, column) => cell.firstElementChild.addEventListener("click", 
   const down = cell.getAttribute("aria-sort") === "ascending";
   head.forEach(other => other.removeAttribute("aria-sort"));
   cell.setAttribute("aria-sort", down ? "descending" : "ascending");
-  // Jobs without a value stay last either way.
-  const rows = [...body.rows].sort((one, other) => {
+  // Jobs without a value stay last either way; what is told of a job goes with it.
+  const bodies = [...table.tBodies].sort((one, other) => {
     const a = value(one, column), b = value(other, column);
     if (a === null || b === null) return (a === null) - (b === null);
     return down ? order(b, a) : order(a, b);
   });
-  body.append(...rows);
+  table.append(...bodies);
 }));
 </script>
 </body>
@@ -134,14 +152,58 @@ std::string SayLines(Language language, const std::string& lines) {
   return said;
 }
 
-std::string CellHtml(const Column& column, const JobOutcome& outcome) {
+std::string CellHtml(const Column& column, const JobOutcome& outcome, Language language) {
+  const std::string head = Escaped(Say(language, column.title));
   const std::optional<double> value = column.value(outcome);
-  if (!value) return "<td class=\"n\" data-v=\"\">–</td>";
+  if (!value) return fmt::format("<td class=\"n\" data-head=\"{}\" data-v=\"\">–</td>", head);
   const double scale = column.digits < 0 ? ShownScale(outcome.figures->objective_unit) : column.scale;
   const double shown = *value * scale;
   return fmt::format(
-      "<td class=\"n\" data-v=\"{}\">{}</td>", ShortestNumber(*value),
+      "<td class=\"n\" data-head=\"{}\" data-v=\"{}\">{}</td>", head, ShortestNumber(*value),
       column.digits < 0 ? fmt::format("{:.4g}", shown) : fmt::format("{:.{}f}", shown, column.digits));
+}
+
+/// "baseline: settings   process.feed_mm_min: 600 -> 60" as its section and the rest; empty for any other
+/// remark.
+std::optional<std::pair<std::string, std::string>> ChangeOf(const std::string& remark) {
+  constexpr std::string_view kBefore = "baseline: ";
+  if (!remark.starts_with(kBefore)) return std::nullopt;
+  const std::string text = remark.substr(kBefore.size());
+  const size_t gap = text.find(' ');
+  if (gap == std::string::npos || text.compare(gap, 2, "  ") != 0) return std::nullopt;
+  return std::pair(text.substr(0, gap), text.substr(text.find_first_not_of(' ', gap)));
+}
+
+/// "krl: motions: 65 -> 60": figures stay as they stand.
+std::string SayChange(Language language, const std::string& text) {
+  const size_t arrow = text.find(" -> ");
+  const size_t colon = arrow == std::string::npos ? arrow : text.rfind(": ", arrow);
+  return colon == std::string::npos ? Say(language, text)
+                                    : Say(language, text.substr(0, colon)) + text.substr(colon);
+}
+
+/// What is told of a job below its figures: causes, remarks, and folded what differs from the baseline.
+std::string ToldHtml(const JobOutcome& outcome, size_t columns, Language language) {
+  std::string told, changes;
+  size_t count = 0;
+  if (!outcome.cause.empty())
+    told += "<p class=\"bad\">" + Escaped(SayLines(language, outcome.cause)) + "</p>";
+  for (const std::string& remark : outcome.remarks) {
+    if (const auto change = ChangeOf(remark)) {
+      ++count;
+      changes += fmt::format("<span>{}</span><span>{}</span>\n", Escaped(Say(language, change->first)),
+                             Escaped(SayChange(language, change->second)));
+    } else {
+      told += "<p>" + Escaped(SayLines(language, remark)) + "</p>";
+    }
+  }
+  if (count > 0)
+    told += fmt::format(
+        "<details><summary>{}</summary><div class=\"changes\">\n{}</div></details>",
+        Escaped(Say(language, fmt::format("baseline: {} difference{}.", count, count == 1 ? "" : "s"))),
+        changes);
+  return told.empty() ? ""
+                      : fmt::format("<tr><td class=\"told\" colspan=\"{}\">{}</td></tr>\n", columns, told);
 }
 
 }  // namespace
@@ -187,8 +249,7 @@ std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobO
   head("t", "outcome", "done, findings, bad input, failed");
   head("t", "objective", "What the job's poses are best for, with its unit");
   for (const Column& column : Columns()) head("n", column.title, column.help);
-  head("t", "cause", "What is missing or wrong");
-  html += "</tr></thead>\n<tbody>\n";
+  html += "</tr></thead>\n";
   for (size_t i = 0; i < jobs.size(); ++i) {
     const JobOutcome& outcome = outcomes[i];
     const std::string name = Escaped(jobs[i].name);
@@ -198,16 +259,15 @@ std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobO
       if (!outcome.figures->objective_unit.empty())
         objective += ", " + ShownUnit(outcome.figures->objective_unit);
     }
-    html += "<tr><td>";
+    html += "<tbody><tr><td>";
     html += outcome.figures && outcome.figures->report
                 ? fmt::format("<a href=\"{}/report.html\">{}</a>", EscapeUrl(jobs[i].name), name)
                 : name;
-    html += fmt::format("</td><td{}>{}</td><td>{}</td>", outcome.status > 0 ? " class=\"bad\"" : "",
-                        say(OutcomeWord(outcome)), Escaped(objective));
-    for (const Column& column : Columns()) html += CellHtml(column, outcome);
-    std::string told = outcome.cause;
-    for (const std::string& remark : outcome.remarks) told += (told.empty() ? "" : "\n") + remark;
-    html += fmt::format("<td class=\"cause\">{}</td></tr>\n", Escaped(SayLines(language, told)));
+    html += fmt::format("</td><td{} data-head=\"{}\">{}</td><td data-head=\"{}\">{}</td>",
+                        outcome.status > 0 ? " class=\"bad\"" : "", say("outcome"), say(OutcomeWord(outcome)),
+                        say("objective"), Escaped(objective));
+    for (const Column& column : Columns()) html += CellHtml(column, outcome, language);
+    html += "</tr>\n" + ToldHtml(outcome, 3 + Columns().size(), language) + "</tbody>\n";
   }
   return html + kTail;
 }

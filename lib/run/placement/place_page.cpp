@@ -22,7 +22,6 @@ using Eigen::Vector3d;
 constexpr const char* kStyle = R"html(body { margin: 0 auto; max-width: 1200px; }
 section { background: var(--card); border: 1px solid var(--line); border-radius: 5px; padding: 10px 12px; margin-bottom: 10px; break-inside: avoid; }
 .scroll { border: 0; margin: 0; }
-@media print { .scroll { overflow: visible; } }
 .two { display: flex; flex-wrap: wrap; gap: 10px; align-items: flex-start; }
 .two section { flex: 1 1 340px; min-width: 0; }
 th, td { padding: 4px 8px; text-align: right; font-variant-numeric: tabular-nums; }
@@ -32,10 +31,12 @@ tr.best td { font-weight: 600; }
 svg { display: block; width: 100%; height: auto; }
 svg text { fill: var(--ink); }
 .legend { display: flex; flex-wrap: wrap; gap: 4px 14px; color: var(--muted); margin-top: 6px; }
-.legend i { display: inline-block; width: 12px; height: 12px; margin-right: 5px; vertical-align: -2px; border: 1px solid var(--line); }
+.legend i { display: inline-block; width: 12px; height: 12px; margin-right: 5px; vertical-align: -2px; border: 1px solid var(--line); print-color-adjust: exact; }
 p { margin: 0 0 6px; color: var(--muted); }
 /* A place is a block of lines, head and figure, where its row would not fit. */
 @media (max-width: 900px) {
+  th, td { padding: 4px 4px; }
+  th { overflow-wrap: anywhere; hyphens: auto; }
   .plans thead { display: none; }
   .plans table, .plans tbody, .plans td { display: block; }
   .plans tr { display: grid; grid-template-columns: repeat(auto-fill, minmax(220px, 1fr)); gap: 0 28px; padding: 4px 0; border-bottom: 1px solid var(--line); }
@@ -140,7 +141,7 @@ std::string MapSvg(const FoundPlaces& placement, Language language) {
         "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"5\" fill=\"none\" stroke=\"#fff\" stroke-width=\"1.5\"/>"
         "<text x=\"{2:.1f}\" y=\"{3:.1f}\" font-size=\"12\" "
         "style=\"fill:#fff;stroke:#000;stroke-width:3px;paint-order:stroke\">{4}</text>",
-        p.x(), p.y(), p.x() + 8, p.y() - 6, Escaped(name));
+        p.x(), p.y(), p.x() + 8, p.y() < 20 ? p.y() + 14 : p.y() - 6, Escaped(name));
   };
   for (size_t i = 0; i < placement.plans.size(); ++i)
     mark(placement.plans[i].place, i == 0 ? Say(language, "job") : fmt::format("{}", i));

@@ -16,6 +16,14 @@ std::string SaidHere(Language language, const std::string& english) {
   return Escaped(Say(language, english));
 }
 
+/// A head; behind one word ÷ never begins a line.
+std::string HeadText(Language language, const std::string& english) {
+  std::string text = SaidHere(language, english);
+  if (const size_t at = text.find(' '); at != std::string::npos && text.substr(at) == " ÷")
+    text.replace(at, 1, "&nbsp;");
+  return text;
+}
+
 /// The heads of a row's cells behind its name.
 std::vector<std::string> Heads(const FoundPlaces& placement, Language language) {
   std::vector<std::string> heads;
@@ -23,7 +31,7 @@ std::vector<std::string> Heads(const FoundPlaces& placement, Language language) 
        {std::string("points"), std::string("gaps"), fmt::format("worst {} ÷", placement.objective),
         std::string("median ÷"), std::string("worst |cF| ÷"), std::string("worst |n'cF| ÷"),
         std::string("clearance, mm")})
-    heads.push_back(SaidHere(language, column));
+    heads.push_back(HeadText(language, column));
   for (const auto& [controller, seconds] : placement.plans.front().cycle)
     heads.push_back(Escaped(controller) + ", h:min:s");
   return heads;
@@ -80,7 +88,7 @@ std::string PlansTable(const FoundPlaces& placement, Language language) {
 std::string NearbyTable(const std::vector<Sensitivity>& sensitivity, Language language) {
   std::string text = "<table><thead><tr>";
   for (const char* column : {"coordinate", "changed by", "points free", "worst ÷"})
-    text += "<th>" + SaidHere(language, column) + "</th>";
+    text += "<th>" + HeadText(language, column) + "</th>";
   text += "</tr></thead><tbody>";
   for (const Sensitivity& one : sensitivity)
     text += fmt::format(

@@ -6,6 +6,7 @@
 #include "base/parallel.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
+#include "toolpath/engagement/drilled.hpp"
 
 namespace millpose {
 namespace {
@@ -143,6 +144,7 @@ class Cutting {
 
 void SetEngagement(const EngagementOptions& options, int threads, const std::stop_token& stop,
                    Toolpath& toolpath, const std::vector<std::vector<char>>& of) {
+  if (options.drill) return SetDrilledEngagement(options, threads, stop, toolpath, of);
   const Cutting cutting(options, toolpath);
   std::vector<std::pair<MillingPoint*, size_t>> points;  // with their numbers in the job
   size_t number = 0;
@@ -174,6 +176,7 @@ double EngagementOptions::FactorOf(CutSide side) const {
 }
 
 CuttingForce HeaviestCut(const EngagementOptions& options, const Toolpath& toolpath) {
+  if (options.drill) return HeaviestDrilledCut(options, toolpath);
   const MillingPoint* heaviest = nullptr;
   size_t number = 0, at = 0;
   for (const Pass& pass : toolpath.passes)

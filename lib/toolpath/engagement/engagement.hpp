@@ -5,6 +5,7 @@
 #include <optional>
 #include <stop_token>
 
+#include "toolpath/engagement/drill_lips.hpp"
 #include "toolpath/engagement/standing.hpp"
 
 namespace millpose {
@@ -21,6 +22,8 @@ struct EngagementOptions {
   double depth = 0;          ///< mm, of one layer; where more stands, more is cut
   InMaterial stock;          ///< before the first pass
   std::optional<StatedCut> stated;
+  /// The tool cuts with its point, straight down its axis. Without `stock` it goes into the full.
+  std::optional<DrillLips> drill;
   /// What the forces of each side of the cut are multiplied by.
   double up_factor = 1, down_factor = 1, slot_factor = 1;
 

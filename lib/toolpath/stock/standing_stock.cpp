@@ -126,7 +126,7 @@ void StandingStock::Fill(const Triangles& blank) {
       node->low = span.low, node->high = span.high;
     }
   }
-  Sum();
+  Sum({0, rows_, 0, columns_});
 }
 
 Vector3d StandingStock::Place(size_t i, size_t j, double along) const {
@@ -161,25 +161,26 @@ void StandingStock::Take(size_t line, const Span& off, Nodes& further) {
   }
 }
 
-void StandingStock::RemoveIn(size_t first_row, size_t end_row, const CutterProfile&,
-                             std::span<const SweptVolume> volumes, Nodes& further) {
-  const Vector3d direction = Vector3d::Unit(along_);
-  const auto range = [&](double low, double high, double origin, size_t begin, size_t end) {
-    const double from = std::ceil((low - origin) / spacing_), to = std::floor((high - origin) / spacing_);
-    const auto first =
-        static_cast<size_t>(std::clamp(from, static_cast<double>(begin), static_cast<double>(end)));
-    const auto stop = to < 0 ? size_t{0} : std::min(static_cast<size_t>(to) + 1, end);
-    return std::pair(first, stop);
+StandingStock::Window StandingStock::WindowOf(const AlignedBox3d& box) const {
+  if (!box.intersects(box_)) return {};
+  const auto range = [&](int axis, size_t count) {
+    const double from = std::ceil((box.min()[axis] - origin_[axis]) / spacing_),
+                 to = std::floor((box.max()[axis] - origin_[axis]) / spacing_);
+    const auto first = static_cast<size_t>(std::clamp(from, 0.0, static_cast<double>(count)));
+    return std::pair(first, to < 0 ? size_t{0} : std::min(static_cast<size_t>(to) + 1, count));
   };
+  const auto [row, end_row] = range(second_, rows_);
+  const auto [column, end_column] = range(first_, columns_);
+  return {row, end_row, column, end_column};
+}
+
+void StandingStock::RemoveIn(size_t first_row, size_t end_row, std::span<const SweptVolume> volumes,
+                             Nodes& further) {
+  const Vector3d direction = Vector3d::Unit(along_);
   for (const SweptVolume& volume : volumes) {
-    const AlignedBox3d& box = volume.box();
-    if (!box.intersects(box_)) continue;
-    const auto [row, last_row] =
-        range(box.min()[second_], box.max()[second_], origin_[second_], first_row, end_row);
-    const auto [column, last_column] =
-        range(box.min()[first_], box.max()[first_], origin_[first_], 0, columns_);
-    for (size_t i = row; i < last_row; ++i)
-      for (size_t j = column; j < last_column; ++j) {
+    const Window window = WindowOf(volume.box());
+    for (size_t i = std::max(window.row, first_row); i < std::min(window.end_row, end_row); ++i)
+      for (size_t j = window.column; j < window.end_column; ++j) {
         const size_t line = i * columns_ + j;
         if (first_nodes_[line].empty() && first_nodes_[line].next < 0) continue;
         if (const auto off = volume.On(Place(i, j, 0), direction)) Take(line, *off, further);
@@ -191,43 +192,52 @@ void StandingStock::Remove(const CutterShape& cutter, std::span<const CutterMoti
                            std::stop_token stop) {
   const CutterProfile profile(cutter, spacing_ / 100);
   std::vector<SweptVolume> volumes;
+  AlignedBox3d around;
   for (const CutterMotion& motion : motions)
-    for (const CutterMotion& part : WithoutTurns(motion, cutter.length, spacing_ / 4))
+    for (const CutterMotion& part : WithoutTurns(motion, cutter.length, spacing_ / 4)) {
       volumes.emplace_back(profile, part.from.tip, part.to.tip, part.from.axis);
+      around.extend(volumes.back().box());
+    }
+  if (volumes.empty()) return;
   ParallelFor(further_.size(), threads, std::move(stop), [&](size_t band) {
-    RemoveIn(band * kBand, std::min((band + 1) * kBand, rows_), profile, volumes, further_[band]);
+    RemoveIn(band * kBand, std::min((band + 1) * kBand, rows_), volumes, further_[band]);
   });
-  Sum();
+  Sum(WindowOf(around));
 }
 
-void StandingStock::Sum() {
-  levels_.clear();
-  Level lines{rows_, columns_, std::vector<Span>(rows_ * columns_, Span{0, -1})};
-  for (size_t line = 0; line < lines.spans.size(); ++line) {
-    Span& all = lines.spans[line];
-    const Nodes& further = further_[line / columns_ / kBand];
-    for (const Node* node = &first_nodes_[line]; node;
-         node = node->next < 0 ? nullptr : &further[static_cast<size_t>(node->next)]) {
-      if (node->empty()) continue;
-      if (all.high < all.low) all = {node->low, node->high};
-      all.low = std::min(all.low, node->low);
-      all.high = std::max(all.high, node->high);
+void StandingStock::Sum(const Window& lines) {
+  if (levels_.empty())
+    for (size_t rows = rows_, columns = columns_;; rows = (rows + 1) / 2, columns = (columns + 1) / 2) {
+      levels_.push_back({rows, columns, std::vector<Span>(rows * columns, Span{0, -1})});
+      if (rows * columns <= 1) break;
     }
-  }
-  levels_.push_back(std::move(lines));
-  while (levels_.back().spans.size() > 1) {
-    const Level& below = levels_.back();
-    Level level{(below.rows + 1) / 2, (below.columns + 1) / 2, {}};
-    level.spans.assign(level.rows * level.columns, Span{0, -1});
-    for (size_t i = 0; i < below.rows; ++i)
-      for (size_t j = 0; j < below.columns; ++j) {
-        const Span& part = below.spans[i * below.columns + j];
-        if (part.high < part.low) continue;
-        Span& all = level.spans[i / 2 * level.columns + j / 2];
-        if (all.high < all.low) all = part;
-        all = {std::min(all.low, part.low), std::max(all.high, part.high)};
+  const auto add = [](const Span& part, Span& all) {
+    if (part.high < part.low) return;
+    all = all.high < all.low ? part : Span{std::min(all.low, part.low), std::max(all.high, part.high)};
+  };
+  for (size_t i = lines.row; i < lines.end_row; ++i)
+    for (size_t j = lines.column; j < lines.end_column; ++j) {
+      const size_t line = i * columns_ + j;
+      Span all{0, -1};
+      const Nodes& further = further_[i / kBand];
+      for (const Node* node = &first_nodes_[line]; node;
+           node = node->next < 0 ? nullptr : &further[static_cast<size_t>(node->next)])
+        add({node->low, node->high}, all);
+      levels_.front().spans[line] = all;
+    }
+  Window window = lines;
+  for (size_t k = 1; k < levels_.size(); ++k) {
+    const Level& below = levels_[k - 1];
+    Level& here = levels_[k];
+    window = {window.row / 2, (window.end_row + 1) / 2, window.column / 2, (window.end_column + 1) / 2};
+    for (size_t i = window.row; i < window.end_row; ++i)
+      for (size_t j = window.column; j < window.end_column; ++j) {
+        Span all{0, -1};
+        for (size_t row = 2 * i; row < std::min(2 * i + 2, below.rows); ++row)
+          for (size_t column = 2 * j; column < std::min(2 * j + 2, below.columns); ++column)
+            add(below.spans[row * below.columns + column], all);
+        here.spans[i * here.columns + j] = all;
       }
-    levels_.push_back(std::move(level));
   }
 }
 

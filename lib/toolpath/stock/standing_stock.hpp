@@ -65,9 +65,15 @@ class StandingStock {
 
   void Fill(const Triangles& blank);
   void Take(size_t line, const Span& off, Nodes& further);
-  void RemoveIn(size_t first_row, size_t end_row, const CutterProfile& profile,
-                std::span<const SweptVolume> volumes, Nodes& further);
-  void Sum();
+  /// Rows and columns of the lattice, each from its first to before its end.
+  struct Window {
+    size_t row = 0, end_row = 0, column = 0, end_column = 0;
+  };
+  /// The lines that may meet a box.
+  Window WindowOf(const Eigen::AlignedBox3d& box) const;
+  void RemoveIn(size_t first_row, size_t end_row, std::span<const SweptVolume> volumes, Nodes& further);
+  /// Brings `levels_` up to date where lines in a window have changed.
+  void Sum(const Window& lines);
   bool Meets(size_t level, size_t i, size_t j,
              const std::function<bool(const Eigen::AlignedBox3d&)>& may) const;
 

@@ -43,6 +43,10 @@ struct Drill final : Strategy {
   bool NeedsPart() const override { return circles.has_value(); }
   bool IsPrescribed() const override { return true; }
   bool HasMillingForce() const override { return false; }
+  std::optional<double> DrillPoint() const override {
+    // What is open already where a countersink cuts nothing says.
+    return countersink ? std::nullopt : std::optional(point_angle);
+  }
   bool CutsAtPlungeFeed() const override { return true; }
   std::string DefaultObjective() const override { return "drilling"; }
   double Dwell() const override { return dwell; }

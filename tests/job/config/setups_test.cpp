@@ -58,6 +58,34 @@ TEST(Setups, BeginWithTheirTool) {
   EXPECT_FALSE(ParseJob(kTurnedJob, "job.yaml", {}, 2).tool_held);
 }
 
+// A setup's fixtures stand in place of the workpiece's; none given: those; an empty list: none.
+TEST(Setups, HaveTheirOwnFixtures) {
+  const std::string clamp = "{name: clamp, shape: {sphere: {diameter_mm: 5}}, pose: {xyz_mm: [1, 2, 3]}}";
+  const std::string vice =
+      "{name: vice, mount: world, shape: {sphere: {diameter_mm: 5}}, pose: {xyz_mm: [7, 8, 9]}}";
+  const std::string both = Replaced(kTurnedJob, "unit: mm,", "unit: mm, fixtures: [" + clamp + "],");
+  const auto names = [](const std::string& text, size_t operation) {
+    std::string all;
+    for (const FixtureSettings& one : ParseJob(text, "job.yaml", {}, operation).workpiece.fixtures)
+      all += one.name + (one.mount == Mount::kWorld ? " in the world " : " on the part ");
+    return all;
+  };
+  EXPECT_EQ(names(both, 0), "clamp on the part ");
+  EXPECT_EQ(names(both, 2), "clamp on the part ");
+  const std::string own =
+      Replaced(both, "    frame: robot_base\n", "    frame: robot_base\n    fixtures: [" + vice + "]\n");
+  EXPECT_EQ(names(own, 0), "clamp on the part ");
+  EXPECT_EQ(names(own, 2), "vice in the world ");
+  EXPECT_EQ(names(Replaced(own, "[" + vice + "]", "[]"), 2), "");
+  const std::string written = WriteJob(ParseJob(own, "job.yaml", {}, 2));
+  EXPECT_EQ(WriteJob(ParseJob(written, "job.yaml")), written);
+  EXPECT_NE(written.find("vice"), std::string::npos);
+  const std::string refusal =
+      RefusalOf([&] { ParseJob(Replaced(own, "mount: world", "mount: link1"), "job.yaml", {}, 2); });
+  EXPECT_NE(refusal.find("job.yaml:11:"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("workpiece, world"), std::string::npos) << refusal;
+}
+
 TEST(Setups, TheResolvedFileOfAnOperationReadsBackToItself) {
   for (const size_t i : {0u, 2u}) {
     const std::string written = WriteJob(ParseJob(kTurnedJob, "job.yaml", {}, i));

@@ -47,6 +47,17 @@ std::vector<std::string> TextsOf(const std::string& html) {
   return texts;
 }
 
+TEST(BatchIndex, FoldsWhatDiffersFromTheBaseline) {
+  JobOutcome outcome;
+  outcome.remarks = {"baseline: settings   process.feed_mm_min: 600 -> 60",
+                     "baseline: programs   krl: motions: 65 -> 60"};
+  const std::string german = BatchIndex({{"pad", "pad.yaml", {}}}, {outcome}, Language::kGerman);
+  for (const char* part : {"<summary>Vergleich: 2 Unterschiede.</summary>",
+                           "<span>Einstellungen</span><span>process.feed_mm_min: 600 -&gt; 60</span>",
+                           "<span>Programme</span><span>krl: Bewegungen: 65 -&gt; 60</span>"})
+    EXPECT_NE(german.find(part), std::string::npos) << part << "\n" << german;
+}
+
 TEST(BatchIndex, EveryTextHasItsWords) {
   std::vector<BatchJob> jobs;
   std::vector<JobOutcome> outcomes;

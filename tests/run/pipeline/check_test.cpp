@@ -150,6 +150,91 @@ TEST(CheckCell, AHomeThatInterferesIsAWarning) {
   EXPECT_NE(ToText(check).find("home_deg: "), std::string::npos);
 }
 
+/// The small job's arm, calibrated: its base stands 5 mm elsewhere, its flange is turned by 2 mrad.
+void Calibrate(const TestFolder& folder) {
+  const std::string zeros = "[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]";
+  folder.Change("cell.yaml", "  lengths_mm:",
+                "  serial: A-17\n  deviations:\n    shifts_mm: [[3, 4, 0], [0, 0, 0], " + zeros +
+                    "]\n    turns_mrad: [[0, 0, 0], " + zeros +
+                    ", [0, 2, 0]]\n    uncertainty_mm: 0.08\n    source: laser tracker, 60 poses\n"
+                    "    date: 2026-11-26\n  lengths_mm:");
+}
+
+TEST(CheckCell, TellsWhatWasMeasuredOfTheArm) {
+  const TestFolder folder("check");
+  CopySmallJob(folder);
+  Calibrate(folder);
+  const CellCheck check =
+      CheckCell({.cell = folder.path() / "cell.yaml", .view = PageTarget{folder.path() / "cell.html"}});
+  const std::string text = ToText(check);
+  for (const char* line :
+       {"calibration         arm A-17, measured on 2026-11-26: laser tracker, 60 poses\n",
+        "deviations          frames shifted by up to 5.000 mm and turned by up to 2.000 mrad; at home the "
+        "flange is 5.000 mm and 0.115° from where the controller has it\n",
+        "how sure            0.08 mm at the flange, 95 %\n",
+        "programs            for arm A-17 alone where a job has compensation.deviations: true; ",
+        "lost motion         [0.3, 0.3, 0.3, 0.3, 0.3, 0.3] arcmin: assumed; published for cycloidal gears",
+        "gear error          not known\n",
+        "joint stiffness     [8.9e+06, 6.78e+06, 1.13e+07, 2.01e+06, 1.65e+06, 1.35e+06] N·m/rad: Chen et "
+        "al.",
+        "limits              -185 to 185, -130 to 20, -100 to 144, -350 to 350, -120 to 120, -350 to 350 "
+        "deg\n"})
+    EXPECT_NE(text.find(line), std::string::npos) << line << "\n" << text;
+  const Json json = Json::parse(ToJson(check)), &arm = json["measured"];
+  EXPECT_EQ(arm["calibration"]["serial"], "A-17");
+  EXPECT_EQ(arm["calibration"]["date"], "2026-11-26");
+  EXPECT_NEAR(arm["calibration"]["home_flange_shift_mm"], 5, 1e-9);
+  EXPECT_NEAR(arm["calibration"]["home_flange_turn_deg"], RadToDeg(2e-3), 1e-9);
+  EXPECT_EQ(arm["lost_motion"]["arcmin"][5], 0.3);
+  EXPECT_TRUE(arm["gear_error"].is_null());
+  EXPECT_EQ(json["arrival"]["limits_deg"][1], Json({-130, 20}));
+  EXPECT_NE(folder.Read("cell.html").find("\"measured\":\"A-17, measured on 2026-11-26\""),
+            std::string::npos);
+}
+
+TEST(CheckCell, AnArmThatNobodyMeasuredIsSaidToBeNone) {
+  const CellCheck check = CheckCell({SamplePath("cells/kr500_r2830.yaml")});
+  EXPECT_NE(ToText(check).find("calibration         none: the arm counts as its sheet has it\n"),
+            std::string::npos)
+      << ToText(check);
+  EXPECT_TRUE(Json::parse(ToJson(check))["measured"]["calibration"].is_null());
+}
+
+TEST(CheckCell, TablesOfGearsAreNamed) {
+  const TestFolder folder("check");
+  CopySmallJob(folder);
+  folder.Change("cell.yaml", "  lengths_mm:",
+                "  serial: A-17\n  deviations:\n    gears: [{joint: 2, harmonic: 1, amplitude_arcsec: 22, "
+                "phase_deg: 35}, {joint: 2, harmonic: 171, amplitude_arcsec: 9, phase_deg: 0}]\n    "
+                "couplings: [{joint: 3, follows: 2, factor: 0.00045}]\n    source: encoders\n    date: "
+                "2026-11-28\n  lengths_mm:");
+  const CellCheck check = CheckCell({folder.path() / "cell.yaml"});
+  EXPECT_NE(ToText(check).find("gear tables         waves of A2 (2), A3 with A2; up to 22 arcsec\n"),
+            std::string::npos)
+      << ToText(check);
+  EXPECT_NE(ToText(check).find("how sure            not stated\n"), std::string::npos);
+  const Json calibration = Json::parse(ToJson(check))["measured"]["calibration"];
+  EXPECT_EQ(calibration["gears"][1]["amplitude_arcsec"], 9);
+  EXPECT_EQ(calibration["couplings"][0]["follows"], 2);
+}
+
+TEST(CheckJob, SaysForWhichArmItsProgramsAre) {
+  const TestFolder folder("check");
+  CopySmallJob(folder);
+  Calibrate(folder);
+  const auto checked = [&](const std::string& taken_out) {
+    return CheckJob(LoadJobInputs(folder.path() / "job.yaml", {{"compensation.deviations", taken_out}}),
+                    {.threads = 1}, Silent(), {});
+  };
+  const JobCheck bound = checked("true"), free = checked("false");
+  EXPECT_NE(ToText(bound).find("programs            for this arm alone: A-17, measured on 2026-11-26\n"),
+            std::string::npos)
+      << ToText(bound);
+  EXPECT_EQ(Json::parse(ToJson(bound))["for_arm"], "A-17, measured on 2026-11-26");
+  EXPECT_EQ(ToText(free).find("A-17"), std::string::npos);
+  EXPECT_TRUE(Json::parse(ToJson(free))["for_arm"].is_null());
+}
+
 TEST(CheckJob, CountsThePointsThatTheArmReaches) {
   const JobCheck check = CheckJob(SmallInputs(), {.threads = 2}, Silent(), {});
   EXPECT_EQ(check.job, "support_pad");

@@ -131,6 +131,20 @@ TEST(SetJobEngagement, AStatedSideHoldsEverywhere) {
       << "nothing is taken from the stock";
 }
 
+// With a raw part what stands of it is cut, however deep the job says its layer is; without, or on request,
+// the layer.
+TEST(SetJobEngagement, CutsWhatStandsOfTheRawPart) {
+  const auto cut = [](std::vector<Override> more) {
+    return Laid(more).prepared.made.toolpath.passes[4].points[2].engagement;
+  };
+  const Override raw{"workpiece.stock", "{box: {lower_mm: [-40, -40, -20], upper_mm: [40, 40, 3]}}"};
+  const Engagement layer = cut({}), three = cut({raw}), asked = cut({raw, {"process.stock", "region"}});
+  EXPECT_NEAR(layer.depth, 1, 1e-6);
+  EXPECT_NEAR(three.depth, 3, 1e-6);
+  EXPECT_NEAR(three.force.norm(), 3 * layer.force.norm(), 0.03 * three.force.norm());
+  EXPECT_EQ(asked.force, layer.force);
+}
+
 TEST(SetJobEngagement, WhatCannotBeOrContradictsThePathIsNamed) {
   const auto refusal = [](std::vector<Override> more) { return RefusalOf([&] { const Laid laid(more); }); };
   const auto expect = [&](std::vector<Override> more, const std::string& words) {

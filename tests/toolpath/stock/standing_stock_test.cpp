@@ -224,6 +224,46 @@ TEST(TakenOff, HoldsWhatIsGone) {
   EXPECT_FALSE(taken.Holds({-20, 0, 5}));
 }
 
+// After each of many cuts, small ones here and there: where material is asked for is where its spans are.
+TEST(StandingStock, IsFoundWhereItsSpansAre) {
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> any(0, 1);
+  const double spacing = 1.5;
+  StandingStock stock(BoxShape({0, 0, 0}, {61, 43, 9}), spacing);
+  size_t met = 0, asked = 0;
+  for (int cut = 0; cut < 60; ++cut) {
+    const auto place = [&] { return Vector3d(80 * any(random) - 10, 60 * any(random) - 8, 8 * any(random)); };
+    const Vector3d from = place(),
+                   way = (12 * (Vector3d(any(random), any(random), any(random)).array() - 0.5)).matrix();
+    stock.Remove({4, 1, 5}, std::vector<CutterMotion>{Straight(from, from + way)}, 1);
+    std::vector<std::pair<Vector3d, Vector3d>> spans;
+    stock.ForEachSpan([&](const Vector3d& low, const Vector3d& high) { spans.emplace_back(low, high); });
+    std::vector<Span> ends(stock.rows() * stock.columns(), Span{0, -1});
+    for (const auto& [low, high] : spans) {
+      const Vector3d at = (low - stock.Place(0, 0, 0)) / spacing;
+      Span& all = ends[static_cast<size_t>(std::lround(at.y())) * stock.columns() +
+                       static_cast<size_t>(std::lround(at.x()))];
+      all = all.high < all.low ? Span{low.z(), high.z()}
+                               : Span{std::min(all.low, low.z()), std::max(all.high, high.z())};
+    }
+    for (size_t line = 0; line < ends.size(); ++line) {
+      ASSERT_EQ(stock.Ends()[line].low, ends[line].low) << line;
+      ASSERT_EQ(stock.Ends()[line].high, ends[line].high) << line;
+    }
+    for (int ask = 0; ask < 40; ++ask) {
+      const Vector3d lower = place();
+      const AlignedBox3d box(lower, lower + Vector3d(4 * any(random), 4 * any(random), any(random)));
+      const bool stands = std::ranges::any_of(spans, [&](const auto& span) {
+        return box.intersects({span.first, span.second});
+      });
+      ASSERT_EQ(stock.Meets([&](const AlignedBox3d& around) { return box.intersects(around); }), stands);
+      ++asked, met += stands;
+    }
+  }
+  EXPECT_GT(met, asked / 10);
+  EXPECT_LT(met, asked - asked / 10);
+}
+
 // A large blank has a coarser lattice, not more lines.
 TEST(StandingStock, KeepsToItsLines) {
   const StandingStock stock(BoxShape({0, 0, 0}, {2000, 2000, 10}), 0.1, 10'000);

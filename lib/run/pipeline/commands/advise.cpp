@@ -128,8 +128,8 @@ class OperationTrial {
     for (const PassResult& pass : planned.plan.passes)
       for (const PlannedPoint& point : pass.points)
         if (point.skip == Infeasibility::kNone && point.point.kind == PointKind::kCut)
-          load.power = std::max(load.power, CuttingPower(cutting.edge, point.point.engagement,
-                                                         point.point.feed_rate, cutting.spindle_speed));
+          load.power =
+              std::max(load.power, CuttingPower(cutting, point.point.engagement, point.point.feed_rate));
     return load;
   }
 
@@ -185,12 +185,26 @@ std::optional<AdvisedSetting> StepOf(const OperationTrial& trial) {
   if (const auto own = trial.Resolved(engagement))
     return AdvisedSetting{
         "engagement", "deg", {trial.Placed(engagement)}, {*own, kLeastEngagement, kMostEngagement, 0.01}};
-  if (job.toolpath.stepover <= 0 || job.toolpath.scallop > 0) return std::nullopt;
+  if (job.toolpath.stepover <= 0 || job.toolpath.scallop > 0 || job.toolpath.strategy->DrillPoint())
+    return std::nullopt;
   return AdvisedSetting{"step-over",
                         "mm",
                         {trial.Placed("toolpath.stepover_mm")},
                         {job.toolpath.stepover, kLeastStep * job.toolpath.stepover,
                          trial.inputs().cell.tool.cutter_diameter, 0.001}};
+}
+
+/// Of a drill the hole says depth and width: the feed is what loads it.
+std::optional<AdvisedSetting> FeedOf(const OperationTrial& trial) {
+  constexpr double kLeastFeed = 0.05;  // of the given one
+  constexpr double kLargestChip = 1;   // mm a tooth: no drill takes more
+  const JobSettings& job = trial.inputs().job;
+  if (!job.toolpath.strategy->DrillPoint()) return std::nullopt;
+  AdvisedSetting feed{"feed", "mm/min", {trial.Placed("process.feed_mm_min")}, {}};
+  if (job.plunge_feed) feed.keys.push_back(trial.Placed("process.plunge_feed_mm_min"));
+  const double given = 60 * job.feed;
+  feed.range = {given, kLeastFeed * given, 60 * kLargestChip * job.spindle_speed * job.cutting->teeth, 0.1};
+  return feed;
 }
 
 /// The search behind LargestWithin(): a load that goes with the value needs three looks.
@@ -284,7 +298,7 @@ OperationAdvice AdviseOperation(OperationTrial& trial, const AdviseLimits& limit
     advice.without = "nothing is cut: no error follows";
     return advice;
   }
-  for (const auto& setting : {DepthOf(trial), StepOf(trial)}) {
+  for (const auto& setting : {DepthOf(trial), StepOf(trial), FeedOf(trial)}) {
     if (!setting) continue;
     AdviceRange range = setting->range;
     range.largest = std::max(range.largest, range.given);

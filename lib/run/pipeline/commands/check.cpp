@@ -12,8 +12,10 @@
 #include "job/bent_part.hpp"
 #include "job/locate.hpp"
 #include "job/plausible.hpp"
+#include "job/raw_stock.hpp"
 #include "job/step_meshes.hpp"
 #include "report/check_html.hpp"
+#include "report/samples/plan_removal.hpp"
 #include "run/pipeline/commands/find_reach.hpp"
 #include "toolpath/stock/cuts_of.hpp"
 #include "toolpath/strategy.hpp"
@@ -226,6 +228,7 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
   check.operation = inputs.job.operation;
   check.cell = inputs.cell.name;
   check.arm = inputs.cell.arm.name;
+  if (inputs.job.compensation.deviations) check.for_arm = MeasuredName(inputs.cell.arm);
   check.passes = prepared.toolpath.passes.size();
   const std::vector<PointReach> reach = FindReach(prepared, inputs.job.path.rotation_step, execution);
   Count(reach, check);
@@ -245,10 +248,18 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
       view.in_region.push_back(region.HasFace(face));
   }
   view.toolpath = &prepared.toolpath;
+  std::optional<Removal> removal;
+  if (inputs.job.workpiece.HasStock())
+    removal = PathRemoval(check.cuts,
+                          {RawStock(inputs), prepared.surface.mesh.triangles(), inputs.cut_before,
+                           inputs.job.workpiece.stock_resolution},
+                          execution);
+  view.removal = removal ? &*removal : nullptr;
   view.wrong_side = wrong.first;
   view.reach = reach;
   view.findings = check.mesh.warnings;
   view.notes = check.mesh.notes;
+  if (inputs.cell.arm.deviations) view.measured = MeasuredName(inputs.cell.arm);
   view.text = ToText(check);
   view.settings = WriteJob(inputs.job) + "\n" + WriteCell(inputs.cell);
   WriteView(arguments.view, view);
@@ -275,6 +286,7 @@ CellCheck CheckCell(const CheckCellArguments& arguments) {
   check.external_axes = cell.external_axes;
   for (const auto& [controller, post] : settings.controllers) check.controllers.push_back(controller);
   check.arrival = DescribeArrival(settings, cell);
+  check.measured = DescribeMeasured(settings);
   check.warnings = CellWarnings(settings);
   std::ranges::move(TellDoubts(DoubtsOf({settings, cell}), settings), std::back_inserter(check.warnings));
   if (const auto found = Checker(World(cell)).At(cell.home, Phase::kFree))
@@ -284,6 +296,7 @@ CellCheck CheckCell(const CheckCellArguments& arguments) {
   view.title = check.cell;
   view.cell = &cell;
   view.findings = check.warnings;
+  if (settings.arm.deviations) view.measured = MeasuredName(settings.arm);
   view.text = ToText(check);
   view.settings = WriteCell(settings);
   WriteView(arguments.view, view);

@@ -16,6 +16,7 @@
 #include "job/arrival.hpp"
 #include "job/config/config.hpp"
 #include "job/inputs.hpp"
+#include "job/measured_arm.hpp"
 #include "machine/robot/mechanism.hpp"
 #include "report/words/words.hpp"
 #include "run/pipeline/commands/advise.hpp"
@@ -74,7 +75,8 @@ MeshCheck CheckMesh(const CheckMeshArguments& arguments, Progress& progress = Si
 struct JobCheck {
   MeshCheck mesh;
   std::string job, cell, arm;
-  std::string operation;  ///< of a job with several; else empty
+  std::string operation;     ///< of a job with several; else empty
+  std::string for_arm = {};  ///< serial and date, where the programs are for that arm alone; else empty
   size_t passes = 0, points = 0;
   /// Points by the best that any rotation about the tool axis and any branch gives: admissible, unreachable,
   /// outside the limits, near a singularity. Interference is not looked at.
@@ -97,6 +99,7 @@ struct CellCheck {
   std::vector<std::string> controllers;     ///< for which programs can be written
   std::vector<ExternalAxis> external_axes;  ///< rails, lifts and tables, in their order
   ArmArrival arrival;
+  MeasuredArm measured;
   std::vector<std::string> warnings;
 };
 

@@ -5,6 +5,7 @@
 #include "base/shown.hpp"
 #include "base/units.hpp"
 #include "run/pipeline/commands/advise_text.hpp"
+#include "run/pipeline/commands/arm_json.hpp"
 #include "run/pipeline/commands/check.hpp"
 
 namespace millpose {
@@ -121,24 +122,9 @@ Json MeshJson(const MeshCheck& check) {
           {"notes", check.notes}};
 }
 
-Json ArrivalJson(const ArmArrival& arrival) {
-  Json bodies = Json::array();
-  for (const ArmArrival::Body& body : arrival.bodies)
-    bodies.push_back({{"name", body.name}, {"mount", body.mount}, {"size_mm", ToList(body.size)}});
-  return {{"joints", arrival.joints}, {"zero", arrival.zero},
-          {"wrist", arrival.wrist},   {"limits_revolutions", arrival.limits},
-          {"link_bodies", bodies},    {"controllers", arrival.controllers},
-          {"notes", arrival.notes}};
-}
-
 std::string_view NameOf(SpindleSense sense) {
   if (sense == SpindleSense::kNotStated) return "not_stated";
   return sense == SpindleSense::kClockwise ? "clockwise" : "counter_clockwise";
-}
-
-// Speeds are kept in rev/s: the file's number again.
-Json OrNull(const std::optional<double>& value, double factor) {
-  return value ? Json(std::round(factor * *value * 1e6) / 1e6) : Json();
 }
 
 // Null for a path that no file gave.
@@ -147,9 +133,9 @@ Json SourceJson(const std::optional<CamSource>& source) {
   Json sections = Json::array();
   for (const CamSection& section : source->sections)
     sections.push_back({{"tool", section.tool},
-                        {"cutter_mm", OrNull(section.diameter, 1)},
+                        {"cutter_mm", RoundedOrNull(section.diameter, 1)},
                         {"corner_radius_mm", section.corner_radius},
-                        {"spindle_rpm", OrNull(section.speed, 60)},
+                        {"spindle_rpm", RoundedOrNull(section.speed, 60)},
                         {"spindle_sense", NameOf(section.sense)},
                         {"first_line", section.first_line},
                         {"last_line", section.last_line}});
@@ -203,6 +189,7 @@ Json JobJson(const JobCheck& check) {
   Json json{{"job", check.job},
             {"cell", check.cell},
             {"arm", check.arm},
+            {"for_arm", check.for_arm.empty() ? Json() : Json(check.for_arm)},
             {"mesh", MeshJson(check.mesh)},
             {"passes", check.passes},
             {"points", check.points},
@@ -271,6 +258,8 @@ std::string ToText(const JobCheck& check) {
   };
   std::string text =
       fmt::format("job                 {}, cell {}, arm {}\n", check.job, check.cell, check.arm);
+  if (!check.for_arm.empty())
+    text += fmt::format("programs            for this arm alone: {}\n", check.for_arm);
   if (!check.operation.empty()) text += fmt::format("operation           {}\n", check.operation);
   text += ToText(check.mesh);
   text += fmt::format("tool path           {} points in {}\n", check.points, CountedPasses(check.passes));
@@ -302,7 +291,7 @@ std::string ToText(const CellCheck& check) {
                   check.controllers.empty() ? "none" : fmt::format("{}", fmt::join(check.controllers, ", ")));
   for (const ExternalAxis& axis : check.external_axes)
     text += fmt::format("external axis       {}: {}\n", axis.name, AxisText(axis));
-  text += ToText(check.arrival);
+  text += ToText(check.arrival) + ToText(check.measured);
   for (const std::string& warning : check.warnings) text += "  - " + warning + "\n";
   return text;
 }
@@ -315,6 +304,7 @@ std::string ToJson(const CellCheck& check) {
                   {"controllers", check.controllers},
                   {"external_axes", AxesJson(check.external_axes)},
                   {"arrival", ArrivalJson(check.arrival)},
+                  {"measured", MeasuredJson(check.measured)},
                   {"warnings", check.warnings}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

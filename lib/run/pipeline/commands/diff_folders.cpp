@@ -93,8 +93,11 @@ class Diff {
     figures_.insert(what);
     const double greater = std::max(std::abs(before), std::abs(after));
     if (std::abs(after - before) <= kRounding * greater) return;
-    changes_.push_back({section, what, fmt::format("{:.6g}", before), fmt::format("{:.6g}", after),
-                        (after - before) / greater});
+    // As many digits as tell the two apart: what is no rounding differs in the tenth at the latest.
+    int digits = 6;
+    const auto text = [&](double value) { return fmt::format("{:.{}g}", value, digits); };
+    while (digits < 10 && text(before) == text(after)) ++digits;
+    changes_.push_back({section, what, text(before), text(after), (after - before) / greater});
   }
 
   void Settings(const std::string& path, const yaml::Value& before, const yaml::Value& after) {

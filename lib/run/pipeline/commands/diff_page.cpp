@@ -26,7 +26,6 @@ th:first-child { width: 40%; }
   th, td { padding-left: 5px; padding-right: 5px; }
   th.n, td.n { white-space: normal; }
 }
-@media print { .scroll { overflow: visible; } }
 )html";
 
 /// The folder's name, a link to its report where it has one.

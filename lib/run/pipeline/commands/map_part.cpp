@@ -4,7 +4,9 @@
 #include "base/csv.hpp"
 #include "base/error.hpp"
 #include "geometry/mesh/bvh.hpp"
+#include "job/assemble.hpp"
 #include "job/measured_map.hpp"
+#include "planning/result/gear_course.hpp"
 #include "planning/result/station.hpp"
 #include "run/pipeline/outputs/write_results.hpp"
 
@@ -15,24 +17,33 @@ using Eigen::Vector3d;
 
 constexpr double kReadMicrometre = 1e-3;  // mm
 
-/// A point of a pass as the part sees it.
-MilledPlace PlaceOnPart(const PlanResult& plan, const PassResult& pass, size_t i) {
-  const Pose X_PW = PartAt(plan, ExternalAt(pass, i)).inverse(Eigen::Isometry);
-  const MillingPoint& point = pass.points[i].point;
-  return {X_PW * point.position, X_PW.linear() * point.feed};
+/// Where the points of a plan are on the part, and how the gears then stand: by pass and point.
+std::vector<std::vector<MilledPlace>> PlacesOnPart(const PlanResult& plan, const JobInputs& inputs) {
+  const std::vector<std::vector<GearValues>> flanks = FlankLevers(plan, MakeGearModel(inputs.cell));
+  std::vector<std::vector<MilledPlace>> places;
+  for (size_t p = 0; p < plan.passes.size(); ++p) {
+    const PassResult& pass = plan.passes[p];
+    places.emplace_back();
+    for (size_t i = 0; i < pass.points.size(); ++i)
+      places[p].push_back(
+          {PartAt(plan, ExternalAt(pass, i)).inverse(Eigen::Isometry) * pass.points[i].point.position,
+           flanks[p][i]});
+  }
+  return places;
 }
 
 /// The cut points of the finished face, in P, to be asked for the nearest.
 class MappedFace {
  public:
-  MappedFace(const PlanResult& plan, int finished_from) {
+  MappedFace(const PlanResult& plan, const std::vector<std::vector<MilledPlace>>& places, int finished_from) {
     std::vector<Eigen::AlignedBox3d> boxes;
-    for (const PassResult& pass : plan.passes) {
+    for (size_t p = 0; p < plan.passes.size(); ++p) {
+      const PassResult& pass = plan.passes[p];
       if (pass.pass < finished_from) continue;
       for (size_t i = 0; i < pass.points.size(); ++i) {
         const PlannedPoint& point = pass.points[i];
         if (point.skip != Infeasibility::kNone || point.point.kind != PointKind::kCut) continue;
-        places_.push_back(PlaceOnPart(plan, pass, i));
+        places_.push_back(places[p][i]);
         boxes.emplace_back(places_.back().position);
       }
     }
@@ -73,23 +84,23 @@ std::vector<ErrorReading> ReadErrors(const std::filesystem::path& file, const Fi
       problems.push_back({{name, table.line(row)},
                           fmt::format("error_um: given {}; allowed: within ±{}", error, kMostError)});
     farthest = std::max(farthest, distance);
-    readings.push_back({{place, nearest.feed}, kReadMicrometre * error});
+    readings.push_back({{place, nearest.flanks}, kReadMicrometre * error});
   }
   if (!problems.empty()) throw InputError(std::move(problems));
   return readings;
 }
 
 /// What the map says at every planned point. Leads and upper layers go with the face below or beside them.
-void FillMap(const PlanResult& plan, MappedPart& part) {
+void FillMap(const PlanResult& plan, const std::vector<std::vector<MilledPlace>>& places, MappedPart& part) {
   std::vector<MapRow> rows;
   size_t number = 0;
-  for (const PassResult& pass : plan.passes)
-    for (size_t i = 0; i < pass.points.size(); ++i, ++number) {
-      const PlannedPoint& point = pass.points[i];
+  for (size_t p = 0; p < plan.passes.size(); ++p)
+    for (size_t i = 0; i < plan.passes[p].points.size(); ++i, ++number) {
+      const PlannedPoint& point = plan.passes[p].points[i];
       if (point.skip != Infeasibility::kNone) continue;
       MapRow row;
       row.point = number;
-      const MilledPlace place = PlaceOnPart(plan, pass, i);
+      const MilledPlace& place = places[p][i];
       row.place = place.position;
       row.q = point.q;
       row.other = OtherAlongNormal(point);
@@ -126,7 +137,8 @@ std::string VerdictOf(const MappedPart& part) {
 
 MappedPart MapPart(const CalibrateArguments& arguments, const std::optional<std::filesystem::path>& second) {
   const auto [plan, inputs] = ReadMeasuredPlan(arguments);
-  const MappedFace face(plan, FinishedFrom(inputs.job, plan.passes.size()));
+  const std::vector<std::vector<MilledPlace>> places = PlacesOnPart(plan, inputs);
+  const MappedFace face(plan, places, FinishedFrom(inputs.job, plan.passes.size()));
   if (face.empty()) throw InputError({arguments.plan.string()}, "the plan cuts nothing");
   MappedPart part;
   const double most = inputs.cell.tool.cutter_diameter;
@@ -144,7 +156,7 @@ MappedPart MapPart(const CalibrateArguments& arguments, const std::optional<std:
   }
   part.usable = part.fitted.significant && (!part.repeats || part.repeats->certain());
   part.verdict = VerdictOf(part);
-  if (part.usable) FillMap(plan, part);
+  if (part.usable) FillMap(plan, places, part);
   return part;
 }
 

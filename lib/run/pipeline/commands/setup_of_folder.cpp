@@ -258,6 +258,18 @@ void AddSetups(const std::vector<OperationWithTree>& operations, const std::vect
   }
 }
 
+/// What stands around the part in each setup: a job may give each its own fixtures.
+void AddHolding(const std::vector<OperationWithTree>& operations, const std::vector<std::string>& setups,
+                std::vector<SheetSection>& sections) {
+  size_t first = 0;
+  for (const std::span<const OperationWithTree> group : BySetup(operations, setups)) {
+    SheetSection section = Holding(MakeJobCell(group.front().inputs));
+    if (!setups[first].empty()) section.note = fmt::format("Setup {}. {}", setups[first], section.note);
+    sections.push_back(std::move(section));
+    first += group.size();
+  }
+}
+
 }  // namespace
 
 std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop) {
@@ -280,9 +292,10 @@ std::string SetupOfFolder(const SetupArguments& arguments, std::stop_token stop)
     std::vector<SheetSection> sections = {SummaryOf(operations),
                                           Sentences(operations, "findings", "Findings"), Sources(operations)};
     AddSetups(operations, setups, part.import.mesh, arguments.language, sections);
-    for (const SheetSection& section :
-         {ToolsOf(operations), AxisPositions(operations), Holding(cell), ProgramsOf(folder)})
-      sections.push_back(section);
+    sections.push_back(ToolsOf(operations));
+    sections.push_back(AxisPositions(operations));
+    AddHolding(operations, setups, sections);
+    sections.push_back(ProgramsOf(folder));
     for (SheetSection& section : sections) {
       if (!section.table.rows.empty() || !section.list.empty() || !section.picture.empty())
         sheet.sections.push_back(std::move(section));

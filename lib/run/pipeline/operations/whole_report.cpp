@@ -12,6 +12,7 @@
 #include "program/post_entry.hpp"
 #include "program/scanner.hpp"
 #include "report/budget_json.hpp"
+#include "report/html_columns.hpp"
 #include "report/page/escaped.hpp"
 #include "report/page/table_page.hpp"
 #include "report/report.hpp"
@@ -38,7 +39,7 @@ ul { margin: 0 0 10px; padding-left: 18px; }
 [role=tab] { font: inherit; color: var(--ink); background: var(--card); border: 1px solid var(--line); border-bottom: 0; border-radius: 5px 5px 0 0; padding: 6px 12px; cursor: pointer; }
 [role=tab][aria-selected=true] { color: var(--accent); font-weight: 600; box-shadow: inset 0 3px var(--accent); }
 iframe { flex: 1; width: 100%; min-height: 720px; border: 1px solid var(--line); background: var(--card); }
-@media print { iframe, [role=tablist] { display: none; } .scroll { overflow: visible; } th, td { white-space: normal; padding: 3px 5px; font-size: 11px; } }
+@media print { iframe, [role=tablist] { display: none; } th, td { white-space: normal; padding: 3px 5px; font-size: 11px; } }
 )html";
 
 constexpr const char* kTail = R"html(<script>
@@ -262,6 +263,7 @@ std::string WholeReport(const std::string& job, const std::vector<DoneOperation>
     const Json& worst = done.json.at("stiffness").at("objective").at("worst");
     const Json& clearance = done.json.at("clearance_min_mm");
     const bool whole = points.at("planned") == points.at("total");
+    const std::string unit = done.json.at("stiffness").at("units").at("objective").get<std::string>();
     html += fmt::format(
         "<tr><td><a href=\"{0}/report.html\">{1}</a></td>{9}<td>{2}</td><td class=\"n\">{3}</td><td "
         "class=\"n{4}\">{5}</td>"
@@ -270,8 +272,7 @@ std::string WholeReport(const std::string& job, const std::vector<DoneOperation>
         whole ? "" : " bad", points.at("planned").get<size_t>(),
         Escaped(done.json.at("objective").get<std::string>()),
         worst.is_number()
-            ? fmt::format("{:.4g} {}", worst.get<double>(),
-                          Escaped(done.json.at("stiffness").at("units").at("objective").get<std::string>()))
+            ? fmt::format("{:.4g} {}", ShownScale(unit) * worst.get<double>(), Escaped(ShownUnit(unit)))
             : "&ndash;",
         clearance.is_number() ? fmt::format("{:.1f}", clearance.get<double>()) : "&ndash;",
         setups ? "<td>" + Escaped(done.setup) + "</td>" : "");

@@ -12,6 +12,7 @@
 #include "program/verify/causes.hpp"
 #include "run/pipeline/programs/program_warnings.hpp"
 #include "toolpath/pass_ends.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
@@ -188,6 +189,9 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
                                            FinishedFrom(results.inputs.job, plan.passes.size()),
                                            {0.01 * results.inputs.job.force_uncertainty_percent,
                                             DegToRad(results.inputs.job.force_direction_deg)});
+  // Holes are no face: neither level nor variation says something of them.
+  if (report.deflection && results.inputs.job.toolpath.strategy->DrillPoint())
+    report.deflection->face.reset();
   if (report.deflection && results.inputs.job.cutting)
     report.deflection->source = results.inputs.job.cutting->kc11_source;
   report.compensation = FiguresOfCompensation(plan);

@@ -4,6 +4,7 @@
 #include "base/units.hpp"
 #include "job/assemble.hpp"
 #include "job/cell_texts.hpp"
+#include "job/measured_arm.hpp"
 #include "planning/compensation/compensate.hpp"
 #include "program/bound_turns.hpp"
 #include "program/controller_axes.hpp"
@@ -17,19 +18,6 @@ namespace {
 
 // rad: twice what verification asks for; joints nearer to 0 are no matter for turn bits.
 constexpr double kTurnLeast = 2 * kUncertainTurn;
-
-/// The joints whose gears and couplings an arm's programs take out; empty where there are none.
-std::string JointsCorrected(const DeviationSettings& deviations) {
-  std::array<int, 6> waves{};
-  for (const JointHarmonic& wave : deviations.gears) ++waves[static_cast<size_t>(wave.joint) - 1];
-  std::vector<std::string> parts;
-  for (size_t i = 0; i < waves.size(); ++i)
-    if (waves[i] > 0) parts.push_back(fmt::format("A{} ({})", i + 1, waves[i]));
-  std::string text = parts.empty() ? "" : fmt::format("waves of {}", fmt::join(parts, ", "));
-  for (const JointCoupling& pair : deviations.couplings)
-    text += fmt::format("{}A{} with A{}", text.empty() ? "" : ", ", pair.joint, pair.follows);
-  return text;
-}
 
 MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
                                 const std::string& controller_name, const std::optional<BaseWindow>& window) {
@@ -74,9 +62,8 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
     options.notice = kCompensatedNotice;
   }
   if (lift == 0 && job.compensation.deviations) {
-    options.header.emplace_back("corrected_for_arm", fmt::format("{}, measured on {}", inputs.cell.arm.serial,
-                                                                 inputs.cell.arm.deviations->date));
-    if (const std::string joints = JointsCorrected(*inputs.cell.arm.deviations); !joints.empty())
+    options.header.emplace_back("corrected_for_arm", MeasuredName(inputs.cell.arm));
+    if (const std::string joints = MeasuredJoints(*inputs.cell.arm.deviations); !joints.empty())
       options.header.emplace_back("corrected_for_gears", joints);
   }
   options.outputs = settings.outputs;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/programs/program_warnings.hpp"
 
+#include "base/counted.hpp"
 #include "program/path_speed.hpp"
 
 namespace millpose {
@@ -38,9 +39,9 @@ std::string SpeedWarning(const PathSpeed& speed) {
                                 worst[i].point, 60 * worst[i].speed, 60 * worst[i].feed,
                                 worst[i].cause == "corner" ? "corner" : "short motion"));
   return fmt::format(
-      "the feed is not held at {} places, estimated: {}{}; at corners a larger path_tolerance_mm "
+      "the feed is not held at {}, estimated: {}{}; at corners a larger path_tolerance_mm "
       "helps, where motions are short a larger spacing_mm of point_economy",
-      worst.size(), fmt::join(named, ", "), worst.size() > kNamed ? ", ..." : "");
+      Counted(worst.size(), "place", "places"), fmt::join(named, ", "), worst.size() > kNamed ? ", ..." : "");
 }
 
 size_t BytesOf(const ProgramFiles& files) {

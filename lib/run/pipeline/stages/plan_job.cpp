@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/stages/plan_job.hpp"
 
+#include "base/counted.hpp"
 #include "base/error.hpp"
 #include "job/assemble.hpp"
 #include "job/compensate_job.hpp"
@@ -205,7 +206,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   if (own_arm) SwapCommanded(plan.passes);
   execution.progress.Begin("starts", start_ends.size());
   job.starts.ways.gaps = PlanLinkMoves(as_it_is, start_ends, options, checkpoints, execution).gaps;
-  execution.progress.End(fmt::format("{} ways", start_ends.size()));
+  execution.progress.End(Counted(start_ends.size(), "way", "ways"));
 }
 
 /// Passes of more than twice `most` points keep every n-th of them, so that about `most` stay, their ends,
