@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fixtures of a job, and of one of its setups alone. Usage: fixtures_test.py MILLPOSE TOP"""
+"""Fixtures of a job, and of one of its setups alone. Usage: fixtures_test.py MILLPOSE TOP AUDIT"""
 import csv
 import json
+import subprocess
+import sys
 import unittest
 
 import yaml
@@ -88,6 +90,23 @@ class Fixtures(InFolder):
         self.plan(job, "box")
         self.assertEqual(by_mesh, self.statuses(self.folder / "box"))
         self.assertIn("skipped", {status for status, _ in by_mesh})
+
+    def test_the_outside_judge_knows_them(self):
+        job = self.base()
+        job["workpiece"]["fixtures"] = [CLAMP]
+        self.plan(job)
+        written = self.folder / "out" / "job.yaml"
+
+        def touching():
+            judged = subprocess.run([sys.argv[3], self.folder / "out", "--inputs", self.folder], capture_output=True, text=True, timeout=300)
+            self.assertIn(judged.returncode, (0, 1), judged.stderr)
+            return json.loads(judged.stdout)["interferences"]
+
+        self.assertEqual(touching(), 0)
+        large = yaml.safe_load(written.read_text())
+        large["workpiece"]["fixtures"][0]["shape"]["box"]["size_mm"] = [120, 200, 50]  # over most of the pad
+        written.write_text(yaml.safe_dump(large, sort_keys=False))
+        self.assertGreater(touching(), 0)
 
     def test_its_name_is_its_own(self):
         job = self.base()
