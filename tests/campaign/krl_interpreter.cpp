@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/units.hpp"
+#include "tests/campaign/krl_files.hpp"
 #include "tests/campaign/krl_values.hpp"
 
 namespace millpose::campaign {
@@ -22,7 +23,7 @@ class Krl : public Mover {
 
   Trace Run() {
     try {
-      RunFile(Main());
+      RunFile(KrlMain(files_));
       Event(Step::Kind::kSwitch, "end");
     } catch (const Standing&) {
       Event(Step::Kind::kStop, "stands for ever");
@@ -35,21 +36,11 @@ class Krl : public Mover {
  private:
   struct Standing {};  // a loop without an end
 
-  std::string Main() const {
-    for (const auto& [name, text] : files_) {
-      bool called = false;
-      for (const auto& [other, body] : files_)
-        called = called || (other != name && Upper(body).find("\n" + name + " (") != std::string::npos);
-      if (!called) return name;
-    }
-    throw Refusal{"no main program"};
-  }
-
   /// "Structure of a KRL program": & lines, DEF NAME ( ), declarations, statements, END; nothing behind it.
   void RunFile(const std::string& name) {
     if (++depth_ > 8) throw Refusal{"calls too deep"};
     const std::vector<std::string> lines = LinesOf(files_.at(name));
-    CheckLabels(lines);
+    CheckKrlLabels(lines);
     bool defined = false, ended = false;
     for (size_t i = 0; i < lines.size(); ++i) {
       line = static_cast<int>(i) + 1;
@@ -106,17 +97,6 @@ class Krl : public Mover {
     at.Need(at.Done() && (begins || loops_ > 0), "LOOP before");
     if (!begins) throw Standing{};
     ++loops_;
-  }
-
-  /// "GOTO": a label is defined once in its program.
-  static void CheckLabels(const std::vector<std::string>& lines) {
-    std::set<std::string> labels;
-    for (const std::string& text : lines) {
-      Cursor at(Upper(text.substr(0, text.find(';'))));
-      const std::string name = at.Name();
-      if (!name.empty() && at.TakeChar(':') && at.Done() && !labels.insert(name).second)
-        throw Refusal{"label " + name + " is defined twice"};
-    }
   }
 
   void Statement(Cursor& at, const std::string& code) {
@@ -246,8 +226,8 @@ class Krl : public Mover {
     if (!known.contains(name)) throw Refusal{"an unknown variable " + name};
     at.Need(at.TakeChar('='), "=");
     if (name == "$BASE" || name == "$TOOL") {
-      if (name == "$BASE" && at.Take("EK")) return MovingBase(at);
-      if (name == "$BASE") on_table_ = false;
+      if (name == "$BASE") on_table_ = at.Take("EK");
+      if (on_table_ && name == "$BASE") return static_cast<void>(base_ = MovingBase(at, machine_.coupled));
       if (name == "$BASE")
         base_ = FrameOf(at, "BASE_DATA", machine_.base_number, machine_.X_BP);
       else
@@ -282,27 +262,6 @@ class Krl : public Mover {
       SetAdvance(*value);
     else
       Set(name, *value);  // $ACC, $APO.CVEL, …: as they are for every motion after
-  }
-
-  /// "EK": $BASE moves with the kinematic of that number (KSS, "Mathematical coupling"; posts of CAM
-  /// systems).
-  void MovingBase(Cursor& at) {
-    at.Need(at.TakeChar('('), "(");
-    bool known = machine_.coupled;
-    for (const char* part : {".ROOT", ".MECH_TYPE"}) {
-      at.Need(at.Take("MACHINE_DEF") && at.TakeChar('['), "MACHINE_DEF[");
-      const auto number = at.Number();
-      at.Need(number.has_value() && at.TakeChar(']'), "a number and ]");
-      known = known && *number == 2;
-      at.Need(at.Take(part) && at.TakeChar(','), part);
-    }
-    const Fields fields = FieldsOf(at, {"FRAME"});
-    at.Need(at.TakeChar(')') && at.Done(), ")");
-    Allow(fields, "XYZABC", false);
-    for (const char* field : {"X", "Y", "Z", "A", "B", "C"})
-      if (!fields.contains(field)) throw Refusal{"an incomplete frame"};
-    base_ = known ? std::optional(PoseOf(fields)) : std::nullopt;
-    on_table_ = true;
   }
 
   /// The base in the robot's foot, where the axes beside it stand as a target says.

@@ -42,13 +42,37 @@ Pose PoseOf(const Fields& f) {
   return Frame(f.at("X"), f.at("Y"), f.at("Z"), Zyx(f.at("A"), f.at("B"), f.at("C")));
 }
 
-Pose FrameLiteral(Cursor& at) {
-  const Fields fields = FieldsOf(at, {"FRAME"});
-  at.Need(at.Done(), "the end of the line");
+namespace {
+
+Pose WholeFrame(const Fields& fields) {
   Allow(fields, "XYZABC", false);
   for (const char* name : {"X", "Y", "Z", "A", "B", "C"})
     if (!fields.contains(name)) throw Refusal{"an incomplete frame"};
   return PoseOf(fields);
+}
+
+}  // namespace
+
+Pose FrameLiteral(Cursor& at) {
+  const Fields fields = FieldsOf(at, {"FRAME"});
+  at.Need(at.Done(), "the end of the line");
+  return WholeFrame(fields);
+}
+
+std::optional<Pose> MovingBase(Cursor& at, bool coupled) {
+  at.Need(at.TakeChar('('), "(");
+  bool known = coupled;
+  for (const char* part : {".ROOT", ".MECH_TYPE"}) {
+    at.Need(at.Take("MACHINE_DEF") && at.TakeChar('['), "MACHINE_DEF[");
+    const auto number = at.Number();
+    at.Need(number.has_value() && at.TakeChar(']'), "a number and ]");
+    known = known && *number == 2;
+    at.Need(at.Take(part) && at.TakeChar(','), part);
+  }
+  const Fields fields = FieldsOf(at, {"FRAME"});
+  at.Need(at.TakeChar(')') && at.Done(), ")");
+  const Pose frame = WholeFrame(fields);
+  return known ? std::optional(frame) : std::nullopt;
 }
 
 std::string Canonical(Cursor& at) {

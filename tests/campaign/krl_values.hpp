@@ -18,6 +18,9 @@ void Allow(const Fields& fields, const std::string& letters, bool target);
 Pose PoseOf(const Fields& fields);
 /// A frame with all its fields, to the end of the line.
 Pose FrameLiteral(Cursor& at);
+/// Behind EK: the frame on a kinematic with which $BASE moves (KSS, "Mathematical coupling"; posts of CAM
+/// systems); none where it is another than the second, or `coupled` says that there is none.
+std::optional<Pose> MovingBase(Cursor& at, bool coupled);
 /// What follows, numbers as numbers: texts that say the same are the same.
 std::string Canonical(Cursor& at);
 

@@ -112,6 +112,8 @@ class Shop(InFolder):
         planned = self.plan(sink.replace("programs: [", f"  {own}\nprograms: ["))
         self.assertEqual(planned.returncode, 2, planned.stdout)
         self.assertRegex(planned.stderr, r"job\.yaml:\d+:3: process\.cutting: has no effect here: of the force of strategy drill nothing is known")
+        planned = self.plan(sink.replace("programs: [", "compensation: {deflection: normal}\nprograms: ["))
+        self.assertRegex(planned.stderr, r"compensation\.deflection: has no effect with strategy drill")
 
     def test_the_tool_stands_at_the_bottom(self):
         one_hole = re.sub(r"(      - \{at_mm: .*\n){7}", "", sample("cabin_holes"), count=1)

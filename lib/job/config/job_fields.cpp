@@ -123,7 +123,8 @@ void CheckForce(const Value& value, const Context& context, const JobSettings& j
     const Value::Key* found = value.Find("compensation")->FindKey("deflection");
     context.Child("compensation").Child("deflection").Add(found->mark, why);
   };
-  if (compensated && job.toolpath.strategy->DrillPoint())
+  const Strategy& strategy = *job.toolpath.strategy;
+  if (compensated && !strategy.HasMillingForce() && !strategy.MillsWithSide())
     add_to_deflection(
         "has no effect with strategy drill: its thrust moves holes along themselves; allowed: off");
   else if (compensated && !job.cutting && job.force_file.empty())

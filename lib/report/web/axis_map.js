@@ -226,7 +226,7 @@
       if (data.rows.status[row] === 0 && own > 0) {
         const branch = (b) => `S${(data.map.branches[row] >> b) & 15}`, pair = data.map.pairs[data.map.barred[row] - 1];
         words.push(`Point ${data.rows.number[row]}: ${value(f[row])} on the path at ${m.format(data.column.rotation.values[row])}°, S${data.rows.branch[row]};`,
-          `its best pose would give ${value(own)} at ${m.format(data.map.own[row])}°, ${branch(4)}${pair ? `, but there ${pair.replace(" and ", " / ")} interfere` : ""}${pair || free > 1.001 * own ? `; its best free one ${value(free)} at ${m.format(data.map.free[row])}°, ${branch(0)}` : `, free of interference${f[row] > 1.01 * own ? ": what keeps the path from it is that the joints may not jump on the way there or back" : ""}`}.`);
+          `its best pose would give ${value(own)} at ${m.format(data.map.own[row])}°, ${branch(4)}${pair ? `, but there ${m.pairText(pair)} interfere` : ""}${pair || free > 1.001 * own ? `; its best free one ${value(free)} at ${m.format(data.map.free[row])}°, ${branch(0)}` : `, free of interference${f[row] > 1.01 * own ? ": what keeps the path from it is that the joints may not jump on the way there or back" : ""}`}.`);
       }
       const worst = (values) => this.rows.reduce((most, r) => (data.rows.status[r] === 0 && data.rows.kind[r] === 0 && values[r] > most ? values[r] : most), 0);
       const [b, s, p] = [worst(data.optima.own), worst(data.optima.free), worst(f)];

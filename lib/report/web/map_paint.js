@@ -20,14 +20,16 @@
   const REACH = style("#eceff2", "none", "#eceff2"), SINGULAR = style("#a985d0", "cross", "#5b2f86");
 
   m.zoneStyle = (zone) => (zone === 0 ? REACH : zone === 1 ? SINGULAR : zone < UNCHECKED ? LIMITS[zone - 2] : PAIRS[(zone - PAIR) % PAIRS.length]);
+  // Two bodies' names, between which no language has a word.
+  m.pairText = (pair) => pair.replace(" and ", " / ");
   m.zoneName = function (data, zone) {
     if (zone === 0) return "out of reach";
     if (zone === 1) return "singular";
     if (zone < UNCHECKED) return `A${zone - 1} beyond its limit`;
     if (zone === UNCHECKED) return "not checked for interference";
     if (zone === FREE) return "free";
-    const pair = data.map.pairs[zone - PAIR];  // names, which no language has words between
-    return pair ? pair.replace(" and ", " / ") : "further pairs";
+    const pair = data.map.pairs[zone - PAIR];
+    return pair ? m.pairText(pair) : "further pairs";
   };
 
   const HATCH = {
