@@ -55,10 +55,8 @@ struct PostKey : yaml::Field<PostSection<Own>> {
 /// The entry of a post P, made from the options of its own, a P::Options, which `options()` gives back.
 /// `check` sees the whole section when all keys were good.
 template <class P>
-PostEntry EntryOf(
-    const std::vector<PostKey<typename P::Options>>& keys,
-    std::function<void(const yaml::Value&, const yaml::Context&, PostSection<typename P::Options>&)> check =
-        nullptr) {
+PostEntry EntryOf(const std::vector<PostKey<typename P::Options>>& keys,
+                  yaml::ReadOf<PostSection<typename P::Options>> check = {}) {
   using Own = typename P::Options;
   using Whole = PostSection<Own>;
   const yaml::Codec<Whole> fields = yaml::Section<Whole>({keys.begin(), keys.end()}, std::move(check));

@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -45,14 +46,79 @@ struct FieldInfo {
   std::string required_unless = {};  ///< required where none of these keys, "urdf, dh", is given
 };
 
+/// Reads a value into a T. What is inside does not name T, so that sections and their keys, some hundred
+/// types, are one code: it halved what the tables take to compile.
+template <class T>
+class ReadOf {
+ public:
+  using Any = std::function<void(const Value&, const Context&, void*)>;
+
+  ReadOf() = default;
+  template <class Function>
+  requires std::is_invocable_v<Function&, const Value&, const Context&, T&> ReadOf(
+      Function function)  // NOLINT(google-explicit-constructor): any function is one
+      : any_([function = std::move(function)](const Value& value, const Context& context, void* result) {
+          function(value, context, *static_cast<T*>(result));
+        }) {}
+  /// One that takes the address of a T.
+  static ReadOf From(Any any) {
+    ReadOf read;
+    read.any_ = std::move(any);
+    return read;
+  }
+  void operator()(const Value& value, const Context& context, T& result) const {
+    any_(value, context, &result);
+  }
+  const Any& AnyOne() const { return any_; }
+
+ private:
+  Any any_;
+};
+
+/// Writes a T; see ReadOf.
+template <class T>
+class WriteOf {
+ public:
+  using Any = std::function<Value(const void*)>;
+
+  WriteOf() = default;
+  template <class Function>
+  requires std::is_invocable_r_v<Value, Function&, const T&> WriteOf(
+      Function function)  // NOLINT(google-explicit-constructor): any function is one
+      : any_([function = std::move(function)](const void* given) -> Value {
+          return function(*static_cast<const T*>(given));
+        }) {}
+  static WriteOf From(Any any) {
+    WriteOf write;
+    write.any_ = std::move(any);
+    return write;
+  }
+  Value operator()(const T& given) const { return any_(&given); }
+  const Any& AnyOne() const { return any_; }
+
+ private:
+  Any any_;
+};
+
+/// What a Codec says of its type.
+struct CodecText {
+  std::string type;             ///< what is allowed, for people: "number > 0, mm"
+  Value schema;                 ///< JSON Schema
+  std::vector<FieldInfo> keys;  ///< of a section
+
+  CodecText();
+  CodecText(const CodecText&);
+  CodecText(CodecText&&) noexcept;
+  CodecText& operator=(const CodecText&);
+  CodecText& operator=(CodecText&&) noexcept;
+  ~CodecText();
+};
+
 /// How values of type T are read, written and described.
 template <class T>
-struct Codec {
-  std::string type;  ///< what is allowed, for people: "number > 0, mm"
-  std::function<void(const Value&, const Context&, T&)> read;  ///< leaves T alone where a problem is added
-  std::function<Value(const T&)> write;                        ///< null: leave the key out
-  Value schema;                                                ///< JSON Schema
-  std::vector<FieldInfo> keys;                                 ///< of a section
+struct Codec : CodecText {
+  ReadOf<T> read;    ///< leaves T alone where a problem is added
+  WriteOf<T> write;  ///< null: leave the key out
 };
 
 /// External unit: inside = external · factor ÷ divisor (one of them is 1, so that writing can undo it).

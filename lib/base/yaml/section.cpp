@@ -118,9 +118,80 @@ Value SectionSchema(const std::vector<FieldInfo>& keys, std::vector<Value> schem
   return schema;
 }
 
+AnyField FieldAt(std::string key, Place place, CodecText codec, AnyRead read, AnyWrite write, std::string doc,
+                 const void* defaults) {
+  const auto of = [place](const void* settings) -> const void* { return place(const_cast<void*>(settings)); };
+  AnyField field;
+  field.text.info = {std::move(key), std::move(codec.type), "", std::move(doc), false, std::move(codec.keys)};
+  field.text.schema = std::move(codec.schema);
+  field.text.schema.Put("description", Value::Text(field.text.info.doc));
+  field.text.default_value = write(of(defaults));
+  if (field.text.info.keys.empty() && field.text.default_value.kind != Value::Kind::kNull)
+    field.text.info.default_text = WriteYamlLine(field.text.default_value);
+  field.read = [place, read = std::move(read)](const Value& value, const Context& context, void* settings) {
+    read(value, context, place(settings));
+  };
+  field.write = [of, write = std::move(write)](const void* settings) { return write(of(settings)); };
+  return field;
+}
+
+AnySection SectionOf(std::vector<AnyField> fields, AnyRead check) {
+  AnySection section;
+  section.text.type = "map";
+  std::vector<Value> schemas, defaults;
+  for (AnyField& field : fields) {
+    defaults.push_back(field.text.info.keys.empty() ? std::move(field.text.default_value) : Value());
+    schemas.push_back(std::move(field.text.schema));
+    section.text.keys.push_back(field.text.info);
+    field.text.info.keys.clear();
+  }
+  section.text.schema = SectionSchema(section.text.keys, std::move(schemas), defaults);
+  // Shared: sections lie in sections, and each would copy all that is below it.
+  const auto kept = std::make_shared<const std::vector<AnyField>>(std::move(fields));
+  const auto keys = std::make_shared<const std::vector<FieldInfo>>(section.text.keys);
+  section.read = [kept, keys, check = std::move(check)](const Value& value, const Context& context,
+                                                        void* settings) {
+    const size_t problems_before = context.problems.size();
+    if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
+    CheckKeys(value, context, *keys);
+    for (const AnyField& field : *kept)
+      if (const Value* item = value.Find(field.text.info.key))
+        field.read(*item, context.Child(field.text.info.key), settings);
+    if (check && context.problems.size() == problems_before) check(value, context, settings);
+  };
+  section.write = [kept](const void* settings) {
+    Value map = Value::Map();
+    for (const AnyField& field : *kept) {
+      Value item = field.write(settings);
+      if (item.kind != Value::Kind::kNull) map.Put(field.text.info.key, std::move(item));
+    }
+    return map;
+  };
+  return section;
+}
+
 }  // namespace millpose::yaml::codec_detail
 
 namespace millpose::yaml {
+
+// Not in the header: some hundred types of key and value would each compile them.
+FieldText::FieldText() = default;
+FieldText::FieldText(const FieldText&) = default;
+FieldText::FieldText(FieldText&&) noexcept = default;
+FieldText& FieldText::operator=(const FieldText&) = default;
+FieldText& FieldText::operator=(FieldText&&) noexcept = default;
+FieldText::~FieldText() = default;
+CodecText::CodecText() = default;
+CodecText::CodecText(const CodecText&) = default;
+CodecText::CodecText(CodecText&&) noexcept = default;
+CodecText& CodecText::operator=(const CodecText&) = default;
+CodecText& CodecText::operator=(CodecText&&) noexcept = default;
+CodecText::~CodecText() = default;
+
+void FieldText::SayDefault(std::string text) {
+  info.default_text = std::move(text);
+  default_value = Value();
+}
 
 Codec<PoseSettings> PoseFields() {
   using S = PoseSettings;

@@ -15,14 +15,27 @@ Value SectionSchema(const std::vector<FieldInfo>& keys, std::vector<Value> schem
                     const std::vector<Value>& defaults);
 }  // namespace codec_detail
 
-/// A key of a section whose settings are an S.
-template <class S>
-struct Field {
+/// A key of a section: what it is called, says and stands for.
+struct FieldText {
   FieldInfo info;
-  std::function<void(const Value&, const Context&, S&)> read;
-  std::function<Value(const S&)> write;
   Value schema;
   Value default_value;
+
+  FieldText();
+  FieldText(const FieldText&);
+  FieldText(FieldText&&) noexcept;
+  FieldText& operator=(const FieldText&);
+  FieldText& operator=(FieldText&&) noexcept;
+  ~FieldText();
+  /// What the reference page says in place of the struct's own default.
+  void SayDefault(std::string text);
+};
+
+/// A key of a section whose settings are an S.
+template <class S>
+struct Field : FieldText {
+  ReadOf<S> read;
+  WriteOf<S> write;
 
   /// The key must be given.
   Field Required() && {
@@ -41,37 +54,56 @@ struct Field {
     };
     return std::move(*this).DefaultText("");
   }
-  /// What the reference page says in place of the struct's own default.
+  /// See SayDefault().
   Field DefaultText(std::string text) && {
-    info.default_text = std::move(text);
-    default_value = Value();
+    SayDefault(std::move(text));
     return std::move(*this);
   }
 };
 
-/// As Key(); made once for each pair of types, not for each key.
-template <class S, class T>
-Field<S> KeyAt(std::string key, T& (*place)(S&), Codec<T> codec, std::string doc) {
-  const auto of = [place](const S& settings) -> const T& { return place(const_cast<S&>(settings)); };
-  Field<S> field;
-  field.info = {std::move(key), std::move(codec.type), "", std::move(doc), false, std::move(codec.keys)};
-  field.schema = std::move(codec.schema);
-  field.schema.Put("description", Value::Text(field.info.doc));
-  field.default_value = codec.write(of(S{}));
-  if (field.info.keys.empty() && field.default_value.kind != Value::Kind::kNull)
-    field.info.default_text = WriteYamlLine(field.default_value);
-  field.read = [place, read = codec.read](const Value& value, const Context& context, S& settings) {
-    read(value, context, place(settings));
-  };
-  field.write = [of, write = codec.write](const S& settings) { return write(of(settings)); };
-  return field;
+namespace codec_detail {
+
+/// A function from the address of settings to that of a value in them.
+using Place = void* (*)(void*);
+using AnyRead = ReadOf<int>::Any;
+using AnyWrite = WriteOf<int>::Any;
+
+/// A Field without its types.
+struct AnyField {
+  FieldText text;
+  AnyRead read;
+  AnyWrite write;
+};
+AnyField FieldAt(std::string key, Place place, CodecText codec, AnyRead read, AnyWrite write, std::string doc,
+                 const void* defaults);
+
+/// A section's Codec without its type.
+struct AnySection {
+  CodecText text;
+  AnyRead read;
+  AnyWrite write;
+};
+AnySection SectionOf(std::vector<AnyField> fields, AnyRead check);
+
+/// The settings as they are where nothing is given.
+template <class S>
+const S& DefaultsOf() {
+  static const S defaults{};
+  return defaults;
 }
+
+}  // namespace codec_detail
 
 /// `access` maps an S& to the place of the value (see MILLPOSE_AT).
 template <class S, class Access, class T>
 Field<S> Key(std::string key, Access, Codec<T> codec, std::string doc) {
-  return KeyAt<S, T>(
-      std::move(key), [](S& settings) -> T& { return Access{}(settings); }, std::move(codec), std::move(doc));
+  static_assert(std::is_same_v<decltype(Access{}(std::declval<S&>())), T&>,
+                "the codec is of another type than the place");
+  codec_detail::AnyField any = codec_detail::FieldAt(
+      std::move(key), [](void* settings) -> void* { return &Access{}(*static_cast<S*>(settings)); },
+      std::move(codec), codec.read.AnyOne(), codec.write.AnyOne(), std::move(doc),
+      &codec_detail::DefaultsOf<S>());
+  return {std::move(any.text), ReadOf<S>::From(std::move(any.read)), WriteOf<S>::From(std::move(any.write))};
 }
 
 /// As Key(), for values that lie in the settings in another form.
@@ -112,39 +144,12 @@ inline constexpr auto kSelf = [](auto& settings) -> auto& { return settings; };
 
 /// A map with these keys. `check` sees the settings when all keys were good.
 template <class S>
-Codec<S> Section(std::vector<Field<S>> fields,
-                 std::function<void(const Value&, const Context&, S&)> check = nullptr) {
-  Codec<S> codec;
-  codec.type = "map";
-  std::vector<Value> schemas, defaults;
-  for (Field<S>& field : fields) {
-    defaults.push_back(field.info.keys.empty() ? std::move(field.default_value) : Value());
-    schemas.push_back(std::move(field.schema));
-    codec.keys.push_back(field.info);
-    field.info.keys.clear();
-  }
-  codec.schema = codec_detail::SectionSchema(codec.keys, std::move(schemas), defaults);
-  // Shared: sections lie in sections, and each would copy all that is below it.
-  const auto kept = std::make_shared<const std::vector<Field<S>>>(std::move(fields));
-  const auto keys = std::make_shared<const std::vector<FieldInfo>>(codec.keys);
-  codec.read = [kept, keys, check](const Value& value, const Context& context, S& settings) {
-    const size_t problems_before = context.problems.size();
-    if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
-    codec_detail::CheckKeys(value, context, *keys);
-    for (const Field<S>& field : *kept)
-      if (const Value* item = value.Find(field.info.key))
-        field.read(*item, context.Child(field.info.key), settings);
-    if (check && context.problems.size() == problems_before) check(value, context, settings);
-  };
-  codec.write = [kept](const S& settings) {
-    Value map = Value::Map();
-    for (const Field<S>& field : *kept) {
-      Value item = field.write(settings);
-      if (item.kind != Value::Kind::kNull) map.Put(field.info.key, std::move(item));
-    }
-    return map;
-  };
-  return codec;
+Codec<S> Section(std::vector<Field<S>> fields, ReadOf<S> check = {}) {
+  std::vector<codec_detail::AnyField> any;
+  for (Field<S>& field : fields) any.push_back({std::move(field), field.read.AnyOne(), field.write.AnyOne()});
+  codec_detail::AnySection section = codec_detail::SectionOf(std::move(any), check.AnyOne());
+  return {std::move(section.text), ReadOf<S>::From(std::move(section.read)),
+          WriteOf<S>::From(std::move(section.write))};
 }
 
 /// One of the sections that OneOf() chooses from.

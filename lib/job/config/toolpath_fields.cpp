@@ -201,8 +201,7 @@ std::vector<Field<ToolpathSettings>> CommonKeys() {
 std::vector<Field<ToolpathSettings>> FreedomKeys() {
   std::vector<Field<ToolpathSettings>> keys;
   for (const FreedomEntry& entry : Freedoms().entries())
-    if (const auto& key = entry.key)
-      keys.push_back({key->info, key->read, key->write, key->schema, key->default_value});
+    if (const auto& key = entry.key) keys.push_back({*key, key->read, key->write});
   return keys;
 }
 
