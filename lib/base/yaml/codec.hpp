@@ -46,58 +46,53 @@ struct FieldInfo {
   std::string required_unless = {};  ///< required where none of these keys, "urdf, dh", is given
 };
 
-/// Reads a value into a T. What is inside does not name T, so that sections and their keys, some hundred
-/// types, are one code: 40 % less to compile.
+/// Reading into, and writing, what lies at an address.
+using ReadAny = std::function<void(const Value&, const Context&, void*)>;
+using WriteAny = std::function<Value(const void*)>;
+
+/// Reads a value into a T. What is inside does not name T, so that sections and their keys, of some hundred
+/// types, are compiled once.
 template <class T>
 class ReadOf {
  public:
-  using Any = std::function<void(const Value&, const Context&, void*)>;
-
   ReadOf() = default;
+  explicit ReadOf(ReadAny any) : any_(std::move(any)) {}
+  /// An empty std::function stays one.
   template <class Function>
   requires std::is_invocable_v<Function&, const Value&, const Context&, T&> ReadOf(
-      Function function)  // NOLINT(google-explicit-constructor): any function is one
-      : any_([function = std::move(function)](const Value& value, const Context& context, void* result) {
-          function(value, context, *static_cast<T*>(result));
-        }) {}
-  /// One that takes the address of a T.
-  static ReadOf From(Any any) {
-    ReadOf read;
-    read.any_ = std::move(any);
-    return read;
+      Function function) {  // NOLINT(google-explicit-constructor): any function is one
+    if constexpr (std::is_convertible_v<std::nullptr_t, Function>)
+      if (function == nullptr) return;
+    any_ = [function = std::move(function)](const Value& value, const Context& context, void* result) {
+      function(value, context, *static_cast<T*>(result));
+    };
   }
   void operator()(const Value& value, const Context& context, T& result) const {
     any_(value, context, &result);
   }
-  const Any& AnyOne() const { return any_; }
+  const ReadAny& any() const { return any_; }
 
  private:
-  Any any_;
+  ReadAny any_;
 };
 
 /// Writes a T; see ReadOf.
 template <class T>
 class WriteOf {
  public:
-  using Any = std::function<Value(const void*)>;
-
   WriteOf() = default;
+  explicit WriteOf(WriteAny any) : any_(std::move(any)) {}
   template <class Function>
   requires std::is_invocable_r_v<Value, Function&, const T&> WriteOf(
       Function function)  // NOLINT(google-explicit-constructor): any function is one
       : any_([function = std::move(function)](const void* given) -> Value {
           return function(*static_cast<const T*>(given));
         }) {}
-  static WriteOf From(Any any) {
-    WriteOf write;
-    write.any_ = std::move(any);
-    return write;
-  }
   Value operator()(const T& given) const { return any_(&given); }
-  const Any& AnyOne() const { return any_; }
+  const WriteAny& any() const { return any_; }
 
  private:
-  Any any_;
+  WriteAny any_;
 };
 
 /// What a Codec says of its type.
@@ -105,13 +100,6 @@ struct CodecText {
   std::string type;             ///< what is allowed, for people: "number > 0, mm"
   Value schema;                 ///< JSON Schema
   std::vector<FieldInfo> keys;  ///< of a section
-
-  CodecText();
-  CodecText(const CodecText&);
-  CodecText(CodecText&&) noexcept;
-  CodecText& operator=(const CodecText&);
-  CodecText& operator=(CodecText&&) noexcept;
-  ~CodecText();
 };
 
 /// How values of type T are read, written and described.
@@ -168,9 +156,9 @@ std::string ShortestIn(const Unit& unit, double inside);
 namespace codec_detail {
 Value SchemaOf(const std::string& type);
 Value ListSchema(const Value& item, size_t count);
-/// Adds a problem for every key of `map` that is not known, and for every known one that is missing.
 /// What is said of a key of earlier versions, by its path; null where it is none.
 const std::string* FormerKey(const std::string& path);
+/// Adds a problem for every key of `map` that is not known, and for every known one that is missing.
 void CheckKeys(const Value& map, const Context& context, const std::vector<FieldInfo>& known);
 }  // namespace codec_detail
 

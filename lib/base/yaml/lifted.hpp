@@ -10,8 +10,7 @@ namespace millpose::yaml {
 /// A value of type Whole, kept and described as one of type Part: `make` turns what was read into it, `write`
 /// writes it.
 template <class Whole, class Part>
-Codec<Whole> Lifted(const Codec<Part>& part, std::function<Whole(Part)> make,
-                    std::function<Value(const Whole&)> write) {
+Codec<Whole> Lifted(const Codec<Part>& part, std::function<Whole(Part)> make, WriteOf<Whole> write) {
   Codec<Whole> whole;
   whole.type = part.type;
   whole.schema = part.schema;

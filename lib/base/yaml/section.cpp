@@ -118,25 +118,36 @@ Value SectionSchema(const std::vector<FieldInfo>& keys, std::vector<Value> schem
   return schema;
 }
 
-AnyField FieldAt(std::string key, Place place, CodecText codec, AnyRead read, AnyWrite write, std::string doc,
-                 const void* defaults) {
-  const auto of = [place](const void* settings) -> const void* { return place(const_cast<void*>(settings)); };
+AnyField MakeField(std::string key, AnyCodec codec, std::string doc, const void* defaults) {
   AnyField field;
-  field.text.info = {std::move(key), std::move(codec.type), "", std::move(doc), false, std::move(codec.keys)};
-  field.text.schema = std::move(codec.schema);
-  field.text.schema.Put("description", Value::Text(field.text.info.doc));
-  field.text.default_value = write(of(defaults));
-  if (field.text.info.keys.empty() && field.text.default_value.kind != Value::Kind::kNull)
-    field.text.info.default_text = WriteYamlLine(field.text.default_value);
-  field.read = [place, read = std::move(read)](const Value& value, const Context& context, void* settings) {
-    read(value, context, place(settings));
-  };
-  field.write = [of, write = std::move(write)](const void* settings) { return write(of(settings)); };
+  field.read = std::move(codec.read);
+  field.write = std::move(codec.write);
+  FieldText& text = field.text;
+  text.info = {std::move(key), std::move(codec.text.type), "", std::move(doc),
+               false,          std::move(codec.text.keys)};
+  text.schema = std::move(codec.text.schema);
+  text.schema.Put("description", Value::Text(text.info.doc));
+  text.default_value = field.write(defaults);
+  // What a section has by default stands at its keys.
+  const Value::Kind kind = text.default_value.kind;
+  if (kind == Value::Kind::kScalar || (text.info.keys.empty() && kind != Value::Kind::kNull))
+    text.info.default_text = WriteYamlLine(text.default_value);
   return field;
 }
 
-AnySection SectionOf(std::vector<AnyField> fields, AnyRead check) {
-  AnySection section;
+AnyCodec Placed(AnyCodec codec, void* (*place)(void*)) {
+  codec.read = [place, read = std::move(codec.read)](const Value& value, const Context& context,
+                                                     void* settings) {
+    read(value, context, place(settings));
+  };
+  codec.write = [place, write = std::move(codec.write)](const void* settings) {
+    return write(place(const_cast<void*>(settings)));
+  };
+  return codec;
+}
+
+AnyCodec SectionOf(std::vector<AnyField> fields, ReadAny check) {
+  AnyCodec section;
   section.text.type = "map";
   std::vector<Value> schemas, defaults;
   for (AnyField& field : fields) {
@@ -173,25 +184,6 @@ AnySection SectionOf(std::vector<AnyField> fields, AnyRead check) {
 }  // namespace millpose::yaml::codec_detail
 
 namespace millpose::yaml {
-
-// Not in the header: some hundred types of key and value would each compile them.
-FieldText::FieldText() = default;
-FieldText::FieldText(const FieldText&) = default;
-FieldText::FieldText(FieldText&&) noexcept = default;
-FieldText& FieldText::operator=(const FieldText&) = default;
-FieldText& FieldText::operator=(FieldText&&) noexcept = default;
-FieldText::~FieldText() = default;
-CodecText::CodecText() = default;
-CodecText::CodecText(const CodecText&) = default;
-CodecText::CodecText(CodecText&&) noexcept = default;
-CodecText& CodecText::operator=(const CodecText&) = default;
-CodecText& CodecText::operator=(CodecText&&) noexcept = default;
-CodecText::~CodecText() = default;
-
-void FieldText::SayDefault(std::string text) {
-  info.default_text = std::move(text);
-  default_value = Value();
-}
 
 Codec<PoseSettings> PoseFields() {
   using S = PoseSettings;

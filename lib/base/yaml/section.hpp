@@ -10,25 +10,11 @@
 
 namespace millpose::yaml {
 
-namespace codec_detail {
-Value SectionSchema(const std::vector<FieldInfo>& keys, std::vector<Value> schemas,
-                    const std::vector<Value>& defaults);
-}  // namespace codec_detail
-
 /// A key of a section: what it is called, says and stands for.
 struct FieldText {
   FieldInfo info;
   Value schema;
   Value default_value;
-
-  FieldText();
-  FieldText(const FieldText&);
-  FieldText(FieldText&&) noexcept;
-  FieldText& operator=(const FieldText&);
-  FieldText& operator=(FieldText&&) noexcept;
-  ~FieldText();
-  /// What the reference page says in place of the struct's own default.
-  void SayDefault(std::string text);
 };
 
 /// A key of a section whose settings are an S.
@@ -54,42 +40,44 @@ struct Field : FieldText {
     };
     return std::move(*this).DefaultText("");
   }
-  /// See SayDefault().
+  /// What the reference page says in place of the struct's own default.
   Field DefaultText(std::string text) && {
-    SayDefault(std::move(text));
+    info.default_text = std::move(text);
+    default_value = Value();
     return std::move(*this);
   }
 };
 
 namespace codec_detail {
 
-/// A function from the address of settings to that of a value in them.
-using Place = void* (*)(void*);
-using AnyRead = ReadOf<int>::Any;
-using AnyWrite = WriteOf<int>::Any;
-
-/// A Field without its types.
-struct AnyField {
-  FieldText text;
-  AnyRead read;
-  AnyWrite write;
+/// A Field or a Codec without its type.
+template <class Text>
+struct Untyped {
+  Text text;
+  ReadAny read;
+  WriteAny write;
 };
-AnyField FieldAt(std::string key, Place place, CodecText codec, AnyRead read, AnyWrite write, std::string doc,
-                 const void* defaults);
+using AnyField = Untyped<FieldText>;
+using AnyCodec = Untyped<CodecText>;
 
-/// A section's Codec without its type.
-struct AnySection {
-  CodecText text;
-  AnyRead read;
-  AnyWrite write;
-};
-AnySection SectionOf(std::vector<AnyField> fields, AnyRead check);
+/// A key whose value `codec` reads into the settings and writes from them.
+AnyField MakeField(std::string key, AnyCodec codec, std::string doc, const void* defaults);
+/// `codec` where the value lies at `place(settings)`.
+AnyCodec Placed(AnyCodec codec, void* (*place)(void*));
+AnyCodec SectionOf(std::vector<AnyField> fields, ReadAny check);
+Value SectionSchema(const std::vector<FieldInfo>& keys, std::vector<Value> schemas,
+                    const std::vector<Value>& defaults);
 
 /// The settings as they are where nothing is given.
 template <class S>
 const S& DefaultsOf() {
   static const S defaults{};
   return defaults;
+}
+
+template <class S>
+Field<S> Typed(AnyField any) {
+  return {std::move(any.text), ReadOf<S>(std::move(any.read)), WriteOf<S>(std::move(any.write))};
 }
 
 }  // namespace codec_detail
@@ -99,32 +87,27 @@ template <class S, class Access, class T>
 Field<S> Key(std::string key, Access, Codec<T> codec, std::string doc) {
   static_assert(std::is_same_v<decltype(Access{}(std::declval<S&>())), T&>,
                 "the codec is of another type than the place");
-  codec_detail::AnyField any = codec_detail::FieldAt(
-      std::move(key), [](void* settings) -> void* { return &Access{}(*static_cast<S*>(settings)); },
-      std::move(codec), codec.read.AnyOne(), codec.write.AnyOne(), std::move(doc),
-      &codec_detail::DefaultsOf<S>());
-  return {std::move(any.text), ReadOf<S>::From(std::move(any.read)), WriteOf<S>::From(std::move(any.write))};
+  const auto place = [](void* settings) -> void* { return &Access{}(*static_cast<S*>(settings)); };
+  return codec_detail::Typed<S>(codec_detail::MakeField(
+      std::move(key), codec_detail::Placed({std::move(codec), codec.read.any(), codec.write.any()}, place),
+      std::move(doc), &codec_detail::DefaultsOf<S>()));
 }
 
 /// As Key(), for values that lie in the settings in another form.
 template <class S, class T>
 Field<S> KeyBy(std::string key, std::function<T(const S&)> get, std::function<void(S&, const T&)> set,
                Codec<T> codec, std::string doc) {
-  Field<S> field;
-  field.info = {std::move(key), codec.type, "", std::move(doc), false, codec.keys};
-  field.schema = codec.schema;
-  field.schema.Put("description", Value::Text(field.info.doc));
-  field.default_value = codec.write(get(S{}));
-  if (field.default_value.kind != Value::Kind::kNull)
-    field.info.default_text = WriteYamlLine(field.default_value);
-  field.read = [get, set, read = codec.read](const Value& value, const Context& context, S& settings) {
+  const ReadOf<S> read = [get, set, read = codec.read](const Value& value, const Context& context,
+                                                       S& settings) {
     const size_t problems_before = context.problems.size();
     T item = get(settings);
     read(value, context, item);
     if (context.problems.size() == problems_before) set(settings, item);
   };
-  field.write = [get, write = codec.write](const S& settings) { return write(get(settings)); };
-  return field;
+  const WriteOf<S> write = [get, write = codec.write](const S& settings) { return write(get(settings)); };
+  return codec_detail::Typed<S>(codec_detail::MakeField(std::move(key),
+                                                        {std::move(codec), read.any(), write.any()},
+                                                        std::move(doc), &codec_detail::DefaultsOf<S>()));
 }
 
 /// The key that says which version of the format a file has.
@@ -144,12 +127,11 @@ inline constexpr auto kSelf = [](auto& settings) -> auto& { return settings; };
 
 /// A map with these keys. `check` sees the settings when all keys were good.
 template <class S>
-Codec<S> Section(std::vector<Field<S>> fields, ReadOf<S> check = {}) {
+Codec<S> Section(std::vector<Field<S>> fields, const ReadOf<S>& check = {}) {
   std::vector<codec_detail::AnyField> any;
-  for (Field<S>& field : fields) any.push_back({std::move(field), field.read.AnyOne(), field.write.AnyOne()});
-  codec_detail::AnySection section = codec_detail::SectionOf(std::move(any), check.AnyOne());
-  return {std::move(section.text), ReadOf<S>::From(std::move(section.read)),
-          WriteOf<S>::From(std::move(section.write))};
+  for (Field<S>& field : fields) any.push_back({std::move(field), field.read.any(), field.write.any()});
+  codec_detail::AnyCodec section = codec_detail::SectionOf(std::move(any), check.any());
+  return {std::move(section.text), ReadOf<S>(std::move(section.read)), WriteOf<S>(std::move(section.write))};
 }
 
 /// One of the sections that OneOf() chooses from.

@@ -2,6 +2,7 @@
 // Slips in the sections that few jobs have, each at its place: leans, compensation, placement, external axes.
 // In the texts ^ stands before what the message must point at.
 #include "base/error.hpp"
+#include "base/yaml/section.hpp"
 #include "job/config/config.hpp"
 #include "tests/job/config/cell_head.hpp"
 
@@ -300,6 +301,18 @@ TEST(SectionSlips, OfGears) {
   ExpectCell(
       cell("", rail),
       "external_axes[0].lost_motion_arcmin: has no effect here: kind is linear; allowed: lost_motion_um");
+}
+
+TEST(SectionCheck, AnEmptyFunctionIsNone) {
+  const std::function<void(const yaml::Value&, const yaml::Context&, PoseSettings&)> none;
+  const auto section = yaml::Section<PoseSettings>(
+      {yaml::Key<PoseSettings>("xyz_mm", MILLPOSE_AT(position), yaml::Coordinates(), "Origin.")}, none);
+  const std::string file = "pose.yaml";
+  std::vector<Problem> problems;
+  PoseSettings pose;
+  section.read(yaml::ReadYaml("xyz_mm: [1, 2, 3]", file), {file, problems, ""}, pose);
+  EXPECT_TRUE(problems.empty());
+  EXPECT_NE(pose.position, PoseSettings().position);
 }
 
 }  // namespace
