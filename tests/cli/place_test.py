@@ -354,7 +354,7 @@ class Place(InFolder):
         return path
 
     STATIONS = ("placement:\n  x_mm: {from: 1700, to: 2300}\n  y_mm: {from: -6000, to: 3000}\n  z_mm: {from: 500, to: 1300}\n"
-                "  points: 30\n  places: 60\n  plans: 1\n  map_points: 2\n  stations: {most: 3, error_mm: 1.5}\n")
+                "  points: 20\n  places: 40\n  plans: 1\n  map_points: 2\n  stations: {most: 3, error_mm: 1.5}\n")
 
     def covered(self, out, station, rows_apart):
         """Of a planned station: by row of the panel the planned stretches of y in the part's frame, with the largest step."""
@@ -432,7 +432,7 @@ class Place(InFolder):
         self.assertEqual(stale.exists(), len(split["stations"]) == 3)
 
     def test_one_station_is_preferred_where_it_reaches_all(self):
-        placement = self.STATIONS.replace("places: 60", "places: 30").replace("y_mm: {from: -6000, to: 3000}", "y_mm: {from: -500, to: -300}")
+        placement = self.STATIONS.replace("places: 40", "places: 20").replace("y_mm: {from: -6000, to: 3000}", "y_mm: {from: -500, to: -300}")
         for gain, splits in (("", 0), (", gain_percent: 99", 2)):
             job = self.panel(800, placement.replace("error_mm: 1.5", "error_mm: 1.5" + gain), spacing=200, stepover=200)
             done = run("place", job, "-q")
@@ -452,7 +452,7 @@ class Place(InFolder):
     @unittest.skipUnless(SLOW, "the quick twin is above, with few points")
     def test_the_whole_panel_is_split_between_stations(self):
         """As docs/placement.md shows it, with a cutting force; after kills it is the same."""
-        placement = self.STATIONS.replace("  points: 30\n  places: 60\n  plans: 1\n", "")
+        placement = self.STATIONS.replace("  points: 20\n  places: 40\n  plans: 1\n", "")
         job = self.panel(6000, placement, stepover=16, spacing=10, cutting=True)
         done = run("place", job, "-q", timeout=1800)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)

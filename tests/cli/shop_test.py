@@ -26,7 +26,7 @@ def quick_trim():
 class Shop(InFolder):
     def plan(self, text, out="out"):
         (self.folder / "job.yaml").write_text(text)
-        return run("plan", self.folder / "job.yaml", "-o", self.folder / out, "-q", "-v", "--set", "path.rotation_step_deg=10")
+        return run("plan", self.folder / "job.yaml", "-o", self.folder / out, "-q", "-v", "--set", "path.rotation_step_deg=20")
 
     def points(self, out="out"):
         with (self.folder / out / "points.csv").open() as file:

@@ -86,7 +86,7 @@ class Stages(InFolder):
             self.cell["bodies"] = [*bodies, clamp]
             (self.folder / "cell.yaml").write_text(json.dumps(self.cell))
             for out, more in (("panel", ()), ("fresh", ("--fresh",))):
-                sets = (f"cell={self.folder / 'cell.yaml'}", "programs=[linuxcnc]", "toolpath.stepover_mm=60", "toolpath.spacing_mm=60")
+                sets = (f"cell={self.folder / 'cell.yaml'}", "programs=[linuxcnc]", "toolpath.stepover_mm=90", "toolpath.spacing_mm=90")
                 done = run("plan", TOP / "toolpaths/cabin_panel/job.yaml", "-o", self.folder / out, "-q", *more,
                            *(word for change in sets for word in ("--set", change)))
                 self.assertLess(done.returncode, 2, done.stderr)

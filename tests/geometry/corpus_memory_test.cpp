@@ -74,7 +74,7 @@ TEST(CorpusMemory, StaysBelowFourTimesWhatFileAndMeshNeed) {
   GTEST_SKIP() << "sanitizers hold memory back";
 #endif
   ::mallopt(M_MMAP_THRESHOLD, 65536);
-  const Triangles sphere = SphereShape(500, 90);  // 32,000 triangles
+  const Triangles sphere = SphereShape(500, 64);  // 16,000 triangles
   Triangles sound = sphere, damaged = sphere;
   Append(damaged, sphere);
   for (size_t f = 0; f < sphere.faces.size(); f += 2) Flip(damaged, f);

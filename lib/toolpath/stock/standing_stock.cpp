@@ -15,6 +15,7 @@ namespace {
 
 constexpr size_t kBand = 16;                // rows that one thread works on at a time
 constexpr double kSliver = 1e-7;            // mm: shorter spans are nothing
+constexpr double kNoCut = 1e-9;             // mm: what cuts less is not worked out
 constexpr double kBesideEdges = 0.4142135;  // of the spacing: lines run through no vertex of a round size
 
 /// Where a surface crosses a line: out of the material or into it.
@@ -174,15 +175,24 @@ StandingStock::Window StandingStock::WindowOf(const AlignedBox3d& box) const {
   return {row, end_row, column, end_column};
 }
 
+bool StandingStock::StandsIn(const Span& part, const Node& first, const Nodes& further) {
+  for (const Node* node = &first; node;
+       node = node->next < 0 ? nullptr : &further[static_cast<size_t>(node->next)])
+    if (!node->empty() && node->low < part.high - kNoCut && node->high > part.low + kNoCut) return true;
+  return false;
+}
+
 void StandingStock::RemoveIn(size_t first_row, size_t end_row, std::span<const SweptVolume> volumes,
                              Nodes& further) {
   const Vector3d direction = Vector3d::Unit(along_);
   for (const SweptVolume& volume : volumes) {
     const Window window = WindowOf(volume.box());
+    const Span reached{volume.box().min()[along_], volume.box().max()[along_]};
     for (size_t i = std::max(window.row, first_row); i < std::min(window.end_row, end_row); ++i)
       for (size_t j = window.column; j < window.end_column; ++j) {
         const size_t line = i * columns_ + j;
-        if (first_nodes_[line].empty() && first_nodes_[line].next < 0) continue;
+        // Neighbouring motions overlap: most of what a motion passes over is gone already.
+        if (!StandsIn(reached, first_nodes_[line], further)) continue;
         if (const auto off = volume.On(Place(i, j, 0), direction)) Take(line, *off, further);
       }
   }

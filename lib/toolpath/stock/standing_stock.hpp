@@ -71,6 +71,8 @@ class StandingStock {
   };
   /// The lines that may meet a box.
   Window WindowOf(const Eigen::AlignedBox3d& box) const;
+  /// Whether a line has material between two heights; `first`: its first span.
+  static bool StandsIn(const Span& part, const Node& first, const Nodes& further);
   void RemoveIn(size_t first_row, size_t end_row, std::span<const SweptVolume> volumes, Nodes& further);
   /// Brings `levels_` up to date where lines in a window have changed.
   void Sum(const Window& lines);

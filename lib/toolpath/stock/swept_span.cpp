@@ -36,7 +36,9 @@ CutterProfile::CutterProfile(const CutterShape& cutter, double tolerance)
 SweptVolume::SweptVolume(const CutterProfile& profile, const Vector3d& from, const Vector3d& to,
                          const Vector3d& axis)
     : profile_(profile), from_(from), way_(to - from), axis_(axis) {
-  const Vector3d across = (Vector3d::Ones() - axis.cwiseAbs2()).cwiseMax(0).cwiseSqrt() * profile.radius;
+  // How far a disc across the axis reaches; 1 − x² would make 1e-8 of a rounding error.
+  const auto beside = [&](int i) { return Eigen::Vector2d(axis[(i + 1) % 3], axis[(i + 2) % 3]).norm(); };
+  const Vector3d across = profile.radius * Vector3d(beside(0), beside(1), beside(2));
   for (const Vector3d& tip : {from, to})
     for (const Vector3d& end : {tip, Vector3d(tip + profile.length * axis)}) {
       box_.extend(end - across);

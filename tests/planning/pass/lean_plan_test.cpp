@@ -208,7 +208,7 @@ TEST(LeanPlan, NeverGoesIntoThePart) {
 TEST(LeanPlan, TakesAnotherLeanWhereTheNominalOneGouges) {
   constexpr double kTolerance = 0.05;
   const PathOptions options = Options();
-  const Pass pass = Row(-100, 100, 21);
+  const Pass pass = Row(-100, 100, OfTier(11, 21));
   for (const double side : {-1.0, 1.0}) {
     const Mesh edge = Walls(7, {side}, 20);
     PoseProblem problem = LeaningProblem();
