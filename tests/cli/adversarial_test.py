@@ -16,7 +16,7 @@ import unittest
 from plan_fixture import Bench, WITHOUT_FORCE
 
 BENCH = None
-TRAVEL_MM = os.environ.get("MILLPOSE_JUDGE_TRAVEL_MM", "5")
+TRAVEL_MM = os.environ.get("MILLPOSE_JUDGE_TRAVEL_MM", "10")
 # Rotations are searched as finely as the sample says only where the judge looks finely.
 COARSE = [] if "MILLPOSE_JUDGE_TRAVEL_MM" in os.environ else [(r"rotation_step_deg: 1\n", "rotation_step_deg: 5\n")]
 FEW_POINTS = [(r"stepover_mm: [\d.]+", "stepover_mm: 40"), (r"spacing_mm: [\d.]+", "spacing_mm: 20")]

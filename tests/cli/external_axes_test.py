@@ -212,7 +212,7 @@ class Barrel(unittest.TestCase):
         self.assertEqual([p["verified"] for p in json.loads((folder / "summary.json").read_text())["programs"]], [True])
 
     def test_the_judge_finds_nothing(self):
-        status, verdict = BENCH.audit(self.folder, self.job, "--travel-mm", "0.2" if SLOW else "2")
+        status, verdict = BENCH.audit(self.folder, self.job, "--travel-mm", "0.2" if SLOW else "10")
         self.assertEqual((status, verdict["broken"]), (0, {}))
         self.assertGreater(verdict["objectives_recomputed"], 10)
         for controller in ("krl", "sinumerik", "linuxcnc"):

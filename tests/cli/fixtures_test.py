@@ -98,7 +98,7 @@ class Fixtures(InFolder):
         written = self.folder / "out" / "job.yaml"
 
         def touching():
-            judged = subprocess.run([sys.argv[3], self.folder / "out", "--inputs", self.folder], capture_output=True, text=True, timeout=300)
+            judged = subprocess.run([sys.argv[3], self.folder / "out", "--inputs", self.folder, "--travel-mm", "5"], capture_output=True, text=True, timeout=300)
             self.assertIn(judged.returncode, (0, 1), judged.stderr)
             return json.loads(judged.stdout)["interferences"]
 

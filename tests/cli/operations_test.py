@@ -77,7 +77,7 @@ class Operations(InFolder):
         self.assertEqual(verified.returncode, 0, verified.stdout + verified.stderr)
         self.assertRegex(verified.stdout, r"krl +0 motions  confirmed .*/out/programs/krl\n")
         for folder in FOLDERS:  # each is an output folder as any other, for the independent judge as well
-            judged = subprocess.run([AUDIT, self.out / "operations" / folder, "--inputs", self.folder, "--travel-mm", "2"],
+            judged = subprocess.run([AUDIT, self.out / "operations" / folder, "--inputs", self.folder, "--travel-mm", "2" if SLOW else "10"],
                                     capture_output=True, text=True, timeout=600)
             self.assertEqual(judged.returncode, 0, judged.stdout[-2000:] + judged.stderr)
         self.check_summary()

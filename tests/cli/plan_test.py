@@ -136,7 +136,7 @@ class Plan(unittest.TestCase):
             self.assertRegex(self.result.stdout, rf"(?m)^{word}")
 
     def test_the_judge_finds_nothing(self):
-        status, verdict = BENCH.audit(self.folder, self.job, "--travel-mm", "2")
+        status, verdict = BENCH.audit(self.folder, self.job, "--travel-mm", "5")
         self.assertEqual(verdict["broken"], {})
         self.assertEqual(status, 0)
         self.assertGreater(verdict["poses_checked"], 1000)

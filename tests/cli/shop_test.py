@@ -20,7 +20,7 @@ def sample(name):
 
 def quick_trim():
     """The sample in one round, with few points."""
-    return sample("cabin_trim").replace("per_depth_mm: 5", "per_depth_mm: 20").replace("spacing_mm: 25", "spacing_mm: 80")
+    return sample("cabin_trim").replace("per_depth_mm: 5", "per_depth_mm: 20").replace("spacing_mm: 25", "spacing_mm: 80").replace("chord_tolerance_mm: 0.02", "chord_tolerance_mm: 0.05")
 
 
 class Shop(InFolder):
