@@ -235,7 +235,7 @@ class Moving(unittest.TestCase):
 
     CELLS = {"rail": ("kr500_rail", "rail, scope: {scope}, step_mm: 500", "[1850, 0, 1200]"),
              "table": ("kr500_tilt_turn", "turn, scope: {scope}, step_deg: 30", "[2500, 0, 1300]")}
-    FEW = [] if SLOW else [*COARSE, (r"stepover_mm: 20", "stepover_mm: 250"), (r"spacing_mm: 10", "spacing_mm: 75"), (r"chord_tolerance_mm: 0.01", "chord_tolerance_mm: 0.05")]
+    FEW = [] if SLOW else [*COARSE, (r"stepover_mm: 20", "stepover_mm: 350"), (r"spacing_mm: 10", "spacing_mm: 75"), (r"chord_tolerance_mm: 0.01", "chord_tolerance_mm: 0.05")]
     kept = {}  # plans, by axis and scope: made by one thread for the first test that asks
 
     def job(self, axis, scope, name):

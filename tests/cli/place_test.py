@@ -164,7 +164,7 @@ class Place(InFolder):
         """Behind the arm axis 1 would have to go round in the middle of a pass: what is best of each point alone promises 0.77."""
         sample = TOP / "toolpaths" / "cabin_panel"
         text = (sample / "job.yaml").read_text().replace("../../cells", str(TOP / "cells")).replace("mesh: cabin_panel", f"mesh: {sample}/cabin_panel")
-        text = text.replace("stepover_mm: 20", "stepover_mm: 100").replace("spacing_mm: 10", "spacing_mm: 40")
+        text = text.replace("stepover_mm: 20", "stepover_mm: 100").replace("spacing_mm: 10", "spacing_mm: 40").replace("rotation_step_deg: 1\n", "rotation_step_deg: 3\n")
         job = self.folder / "job.yaml"
         job.write_text(text + "placement:\n  x_mm: {from: 1116, to: 1118}\n  y_mm: {from: -88, to: -86}\n  z_mm: {from: 1797, to: 1799}\n"
                               "  places: 3\n  plans: 1\n  map_points: 2\n")
@@ -344,7 +344,7 @@ class Place(InFolder):
         text = re.sub(r"  joints_deg: .*\n", "", PAD).replace("../../cells", str(TOP / "cells"))
         if not cutting:
             text = re.sub(r"  cutting: .*\n", "", text).replace("{name: surface_error}", "{name: chen2021}")
-        for pattern, replacement in ((r"name: support_pad\n", "name: long_standing_panel\n"), (r"mesh: \S+", "mesh: panel.off"),
+        for pattern, replacement in ((r"name: support_pad\n", "name: long_standing_panel\n"), (r"mesh: \S+", "mesh: panel.off"), (r"programs: \[.*\]", "programs: [krl]"), (r"rotation_step_deg: 1\n", "rotation_step_deg: 1\n" if cutting else "rotation_step_deg: 5\n"),
                                      (r"normal: \[0, 1, 0\]", "normal: [1, 0, 0]"), (r"xyz_mm: \[2076, 0, 1006\]", f"xyz_mm: [2000, {-length / 2}, 800]"),
                                      (r"stepover_mm: \S+", f"stepover_mm: {stepover}"), (r"spacing_mm: \S+", f"spacing_mm: {spacing}")):
             text, count = re.subn(pattern, replacement, text)
