@@ -187,13 +187,16 @@ void StandingStock::RemoveIn(size_t first_row, size_t end_row, std::span<const S
   const Vector3d direction = Vector3d::Unit(along_);
   for (const SweptVolume& volume : volumes) {
     const Window window = WindowOf(volume.box());
-    const Span reached{volume.box().min()[along_], volume.box().max()[along_]};
+    const Span around{volume.box().min()[along_], volume.box().max()[along_]};
     for (size_t i = std::max(window.row, first_row); i < std::min(window.end_row, end_row); ++i)
       for (size_t j = window.column; j < window.end_column; ++j) {
         const size_t line = i * columns_ + j;
-        // Neighbouring motions overlap: most of what a motion passes over is gone already.
-        if (!StandsIn(reached, first_nodes_[line], further)) continue;
-        if (const auto off = volume.On(Place(i, j, 0), direction)) Take(line, *off, further);
+        // Neighbouring motions overlap: most of what a motion passes over is gone already. The box asks for
+        // less than its planes do.
+        if (!StandsIn(around, first_nodes_[line], further)) continue;
+        const Vector3d place = Place(i, j, 0);
+        if (!StandsIn(volume.Reach(place, along_), first_nodes_[line], further)) continue;
+        if (const auto off = volume.On(place, direction)) Take(line, *off, further);
       }
   }
 }
