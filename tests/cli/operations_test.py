@@ -270,7 +270,7 @@ class Operations(InFolder):
         self.assertEqual(self.results(out), whole)
 
     def test_what_is_left_out_and_why(self):
-        planned = self.plan(without(small(), "trim_window"), "--set", "workpiece.pose.xyz_mm=[3100,0,1200]")
+        planned = self.plan(without(small(), "trim_window"), "--set", "workpiece.pose.xyz_mm=[3100,0,1200]", "-v")
         self.assertEqual(planned.returncode, 1)
         self.assertRegex(planned.stdout, r"skipped    face_pads: %s unreachable\n" % (80 if SLOW else 7))
 
