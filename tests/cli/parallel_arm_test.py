@@ -60,7 +60,7 @@ class ParallelArm(unittest.TestCase):
         summary = json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
         self.assertEqual((summary["points"]["skipped"], summary["gaps"]["total"]), (0, summary["gaps"]["planned"]))
         self.assertEqual([(p["controller"], p["verified"]) for p in summary["programs"]], [("linuxcnc", True), ("urscript", True)])
-        status, verdict = BENCH.audit(self.folder, self.job, "--travel-mm", "5")
+        status, verdict = BENCH.audit(self.folder, self.job)
         self.assertEqual((status, verdict["broken"]), (0, {}))
         verified = BENCH.run("verify", self.folder)
         self.assertEqual(verified.returncode, 0, verified.stdout + verified.stderr)

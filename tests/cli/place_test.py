@@ -344,7 +344,8 @@ class Place(InFolder):
         text = re.sub(r"  joints_deg: .*\n", "", PAD).replace("../../cells", str(TOP / "cells"))
         if not cutting:
             text = re.sub(r"  cutting: .*\n", "", text).replace("{name: surface_error}", "{name: chen2021}")
-        for pattern, replacement in ((r"name: support_pad\n", "name: long_standing_panel\n"), (r"mesh: \S+", "mesh: panel.off"), (r"programs: \[.*\]", "programs: [krl]"), (r"rotation_step_deg: 1\n", "rotation_step_deg: 1\n" if cutting else "rotation_step_deg: 5\n"),
+            text = re.sub(r"programs: .*", "programs: [krl]", text.replace("rotation_step_deg: 1\n", "rotation_step_deg: 5\n"))
+        for pattern, replacement in ((r"name: support_pad\n", "name: long_standing_panel\n"), (r"mesh: \S+", "mesh: panel.off"),
                                      (r"normal: \[0, 1, 0\]", "normal: [1, 0, 0]"), (r"xyz_mm: \[2076, 0, 1006\]", f"xyz_mm: [2000, {-length / 2}, 800]"),
                                      (r"stepover_mm: \S+", f"stepover_mm: {stepover}"), (r"spacing_mm: \S+", f"spacing_mm: {spacing}")):
             text, count = re.subn(pattern, replacement, text)

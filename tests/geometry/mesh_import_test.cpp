@@ -121,7 +121,7 @@ TEST(MeshImport, RemovesTrianglesWithoutAreaAndLeavesNoCrack) {
 
 TEST(MeshImport, CountsNoMoreFlatTrianglesThanThereWere) {
   // A part far below the tolerance (a wrong unit): most triangles are flat, splitting neighbours makes more.
-  const ImportResult result = Import(SphereShape(0.002, 24));
+  const ImportResult result = Import(SphereShape(0.002, 40));
   EXPECT_GT(result.report.repairs.degenerate, 0);
   EXPECT_LE(result.report.repairs.degenerate, result.report.triangles_read);
 }

@@ -161,7 +161,7 @@ struct Count {
 
 // By the model that the rule chooses, whatever the arm is: of each kind, and of joints and the rest apart.
 TEST(ComplianceLadder, IntervalsOfTheChosenModelHoldTheTruth) {
-  const int draws = OfTier(60, 1000);
+  const int draws = OfTier(120, 1000);
   Count joints, beside;
   std::array<Count, 5> of_kind;
   int as_drawn = 0;
@@ -191,7 +191,7 @@ TEST(ComplianceLadder, IntervalsOfTheChosenModelHoldTheTruth) {
   RecordProperty("joints_share", fmt::format("{:.4f}", joints.share()));
   RecordProperty("beside_share", fmt::format("{:.4f}", beside.share()));
   RecordProperty("as_drawn", as_drawn);
-  const double slack = OfTier(22, 0) * 1e-3;  // two deviations of the share in few draws
+  const double slack = OfTier(15, 0) * 1e-3;  // two deviations of the share in few draws
   EXPECT_GE(joints.share(), 0.93 - slack);
   EXPECT_LE(joints.share(), 0.97 + slack);
   EXPECT_GE(beside.share(), 0.93 - slack);

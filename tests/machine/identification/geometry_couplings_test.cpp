@@ -52,7 +52,7 @@ TEST(GeometryCouplings, FindsTheJointThatFollows) {
 
 TEST(GeometryCouplings, NoneIsMadeUp) {
   RandomStream stream(32, 0);
-  const int draws = OfTier(6, 100);
+  const int draws = OfTier(10, 100);
   int none = 0;
   for (int draw = 0; draw < draws; ++draw)
     none += Tried(Followed(40, {3, 2}, 0, 0.03, stream)).chosen == 0 ? 1 : 0;
