@@ -195,7 +195,7 @@ void StandingStock::RemoveIn(size_t first_row, size_t end_row, std::span<const S
         // less than its planes do.
         if (!StandsIn(around, first_nodes_[line], further)) continue;
         const Vector3d place = Place(i, j, 0);
-        if (!StandsIn(volume.Reach(place, along_), first_nodes_[line], further)) continue;
+        if (!StandsIn(volume.BetweenPlanes(place, direction), first_nodes_[line], further)) continue;
         if (const auto off = volume.On(place, direction)) Take(line, *off, further);
       }
   }

@@ -2,6 +2,7 @@
 #include "toolpath/stock/swept_span.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/trig.hpp"
@@ -153,17 +154,16 @@ bool SweptVolume::PassesBeside(const Vector3d& beyond, const Vector3d& direction
   return (place - share * way).squaredNorm() > reach * reach;
 }
 
-Span SweptVolume::Reach(const Vector3d& origin, int along) const {
+Span SweptVolume::BetweenPlanes(const Vector3d& origin, const Vector3d& direction) const {
   constexpr double kLeast = 0.1;  // cosine of line and axis, below which the planes tell little
-  Span reach{box_.min()[along] - origin[along], box_.max()[along] - origin[along]};
-  const double rise = axis_[along];
-  if (std::abs(rise) < kLeast) return reach;
+  const double rise = direction.dot(axis_);
+  if (std::abs(rise) < kLeast)
+    return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   // The height over the tip is start + rise · t − climb · u, u from 0 to 1.
   const double start = (origin - from_).dot(axis_), climb = way_.dot(axis_);
-  double low = (std::min(0.0, climb) - start) / rise;
-  double high = (profile_.length + std::max(0.0, climb) - start) / rise;
-  if (rise < 0) std::swap(low, high);
-  return {std::max(reach.low, low), std::min(reach.high, high)};
+  const double tip = (std::min(0.0, climb) - start) / rise;
+  const double end = (profile_.length + std::max(0.0, climb) - start) / rise;
+  return {std::min(tip, end), std::max(tip, end)};
 }
 
 std::optional<Span> SweptVolume::On(const Vector3d& origin, const Vector3d& direction) const {

@@ -39,9 +39,9 @@ class SweptVolume {
   /// Where origin + t · direction (unit) is inside, in t; exact to 1e-9 mm for the profile.
   std::optional<Span> On(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 
-  /// No less than where a line along an axis of P (0 to 2) can be inside, in t, for a fraction of On's cost:
-  /// in the box, between the planes across the cutter at its tip and where its cutting length ends.
-  Span Reach(const Eigen::Vector3d& origin, int along) const;
+  /// Where a line runs between the planes across the cutter at its tip and where its cutting length ends, in
+  /// t: On is within it and costs far more.
+  Span BetweenPlanes(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 
   const Eigen::AlignedBox3d& box() const { return box_; }
 

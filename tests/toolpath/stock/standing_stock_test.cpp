@@ -150,9 +150,9 @@ TEST(SweptVolume, MeetsALineWherePlacesAreInside) {
     }
     if (!span) continue;
     ++met;
-    const Span reach = volume.Reach(origin, n % 2 ? 2 : 0);
-    EXPECT_LE(reach.low, span->low + 1e-8) << n;
-    EXPECT_GE(reach.high, span->high - 1e-8) << n;
+    const Span between = volume.BetweenPlanes(origin, direction);
+    EXPECT_LE(between.low, span->low + 1e-8) << n;
+    EXPECT_GE(between.high, span->high - 1e-8) << n;
     const double wide = span->high - span->low;
     EXPECT_LE(outside(span->low), 1e-6) << n;
     EXPECT_LE(outside(span->high), 1e-6) << n;
