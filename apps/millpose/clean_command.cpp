@@ -19,7 +19,7 @@ struct CleanWords {
   bool dry_run = false;
 };
 
-/// MB of the files below; `stages`: of those alone that hold the last result of a stage.
+/// MB of the files below; `stages`: of those alone that hold results of a stage.
 double MegabytesBelow(const fs::path& folder, bool stages) {
   double bytes = 0;
   std::error_code failed;

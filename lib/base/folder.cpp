@@ -203,17 +203,18 @@ Folder Folder::MakeBelow(const fs::path& below) const {
   return Below(made);
 }
 
-void Folder::Move(const std::string& name, const Folder& to) const {
+void Folder::Move(const std::string& name, const Folder& to, const std::string& as) const {
   CheckPlain(name, *this);
-  const auto rename = [&] { return ::renameat(file_, name.c_str(), to.file_, name.c_str()) == 0; };
+  CheckPlain(as, to);
+  const auto rename = [&] { return ::renameat(file_, name.c_str(), to.file_, as.c_str()) == 0; };
   if (rename()) return;
   int error = errno;
   if (error == ENOTEMPTY || error == EEXIST || error == EISDIR || error == ENOTDIR) {
-    to.RemoveAll(name);
+    to.RemoveAll(as);
     if (rename()) return;
     error = errno;
   }
-  FailAt(path_ / name, fmt::format("cannot rename to {}", (to.path_ / name).string()), error);
+  FailAt(path_ / name, fmt::format("cannot rename to {}", (to.path_ / as).string()), error);
 }
 
 void Folder::RemoveAll(const std::string& name) const {

@@ -51,8 +51,10 @@ class Folder {
   /// Made where they are missing.
   Folder MakeBelow(const std::filesystem::path& below) const;
 
-  /// Renames an entry, whatever it is. A file there is replaced; so is a folder, with all that it holds.
-  void Move(const std::string& name, const Folder& to) const;
+  /// Renames an entry, whatever it is, to its own name in `to` or to `as`. A file there is replaced; so is a
+  /// folder, with all that it holds.
+  void Move(const std::string& name, const Folder& to) const { Move(name, to, name); }
+  void Move(const std::string& name, const Folder& to, const std::string& as) const;
   /// The entry, with all that a folder holds; nothing where there is none.
   void RemoveAll(const std::string& name) const;
   /// Waits until names that were made, renamed or removed in it are on the disk.

@@ -14,22 +14,19 @@ struct CachedPlan {
   std::string plan;  ///< Serialise() of it
 };
 
-/// Hands the plan that was kept under `key` to `take`, which says whether it is one of what is asked for.
+/// Hands a plan that was kept under `key` and holds to `take`, which says whether it is one of what is asked
+/// for.
 bool ReadPlan(const CheckpointStore& checkpoints, const std::string& key, const World& world,
               const Obstacles& obstacles, const std::function<bool(const std::string&)>& take) {
-  const std::optional<std::string> bytes = checkpoints.Read(key);
-  CachedPlan kept;
-  if (!bytes || !ValueReader(*bytes).Read(kept) || !StillHolds(kept.asked, world, obstacles)) return false;
-  try {
-    if (!take(kept.plan)) return false;
-  } catch (const InputError&) {
-    return false;
-  }
-  if (kept.asked.obstacles != obstacles) {
-    kept.asked.obstacles = obstacles;
-    checkpoints.Write(key, ValueBytes().Add(kept).bytes());
-  }
-  return true;
+  return checkpoints.Read(key, [&](const std::string& bytes) {
+    CachedPlan kept;
+    if (!ValueReader(bytes).Read(kept) || !StillHolds(kept.asked, world, obstacles)) return false;
+    try {
+      return take(kept.plan);
+    } catch (const InputError&) {
+      return false;
+    }
+  });
 }
 
 void WritePlan(const CheckpointStore& checkpoints, const std::string& key, QueryRecord asked,

@@ -24,11 +24,13 @@ std::string StageKey(const T&... handed) {
 template <class Result>
 Result Cached(const CheckpointStore& store, const std::string& stage, const std::string& key,
               const std::function<Result()>& make) {
-  if (const auto bytes = store.ReadStage(stage, key)) {
-    Result result;
-    if (ValueReader(*bytes).Read(result)) return result;
-  }
-  Result result = make();
+  Result result;
+  if (store.ReadStage(stage, key, [&](const std::string& bytes) {
+        result = {};
+        return ValueReader(bytes).Read(result);
+      }))
+    return result;
+  result = make();
   store.WriteStage(stage, key, ValueBytes().Add(result).bytes());
   return result;
 }
@@ -48,11 +50,12 @@ Result CachedInWorld(const CheckpointStore& store, const std::string& stage, con
     return Cached<Result>(store, stage, StageKey(key, world.cell()), [&] { return make(stations); });
   const std::string own = StageKey(key, WithoutPlaces(world.cell()));
   const Obstacles obstacles = ObstaclesOf(world.cell());
-  if (const auto bytes = store.ReadStage(stage, own)) {
-    Recording kept;
-    if (ValueReader(*bytes).Read(kept) && StillHolds(kept.asked, world, obstacles))
-      return std::move(kept.result);
-  }
+  Recording kept;
+  if (store.ReadStage(stage, own, [&](const std::string& bytes) {
+        kept = {};
+        return ValueReader(bytes).Read(kept) && StillHolds(kept.asked, world, obstacles);
+      }))
+    return std::move(kept.result);
   const auto looks = std::make_shared<QueryLog>();
   Recording made;
   made.result = make(Stations(world.Recording(looks), stations.problem()));

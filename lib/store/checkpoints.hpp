@@ -1,34 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
+#include <functional>
 #include <string>
 #include <string_view>
 
 namespace millpose {
 
-/// Where finished passes, gaps and stages are kept, so that they are not worked out again. Called from
-/// several threads.
+/// Where finished passes, gaps and stages are kept, so that they are not worked out again. Under each key of
+/// a pass or gap, and of each stage, the last two results are kept: what an edit replaced is found again
+/// where the edit is undone. Called from several threads.
 class CheckpointStore {
  public:
+  /// Is handed bytes that were kept; returns whether they serve.
+  using Take = std::function<bool(const std::string& bytes)>;
+
   virtual ~CheckpointStore() = default;
-  /// The bytes kept under this key, if there are any.
-  virtual std::optional<std::string> Read(const std::string& key) const = 0;
+  /// Hands over what is kept under this key, the last result first, until one serves; returns whether one
+  /// did.
+  virtual bool Read(const std::string& key, const Take& take) const = 0;
   virtual void Write(const std::string& key, std::string_view bytes) const = 0;
 
-  /// Of each stage the last result alone is kept: its bytes, where they were written under this key.
-  virtual std::optional<std::string> ReadStage(const std::string& stage, const std::string& key) const = 0;
+  /// The same of a stage, of those results that were written under this key.
+  virtual bool ReadStage(const std::string& stage, const std::string& key, const Take& take) const = 0;
   virtual void WriteStage(const std::string& stage, const std::string& key, std::string_view bytes) const = 0;
 };
 
 /// Keeps nothing.
 class NoCheckpoints final : public CheckpointStore {
  public:
-  std::optional<std::string> Read(const std::string&) const override { return std::nullopt; }
+  bool Read(const std::string&, const Take&) const override { return false; }
   void Write(const std::string&, std::string_view) const override {}
-  std::optional<std::string> ReadStage(const std::string&, const std::string&) const override {
-    return std::nullopt;
-  }
+  bool ReadStage(const std::string&, const std::string&, const Take&) const override { return false; }
   void WriteStage(const std::string&, const std::string&, std::string_view) const override {}
 };
 

@@ -10,20 +10,27 @@ namespace millpose {
 class FolderCheckpoints final : public CheckpointStore {
  public:
   FolderCheckpoints(const OutputFolder& folder, bool read) : folder_(folder), read_(read) {}
-  std::optional<std::string> Read(const std::string& key) const override {
-    return read_ ? folder_.ReadCheckpoint(key) : std::nullopt;
+  bool Read(const std::string& key, const Take& take) const override {
+    return Any([&](Kept which) { return folder_.ReadCheckpoint(key, which); }, take);
   }
   void Write(const std::string& key, std::string_view bytes) const override {
     folder_.WriteCheckpoint(key, bytes);
   }
-  std::optional<std::string> ReadStage(const std::string& stage, const std::string& key) const override {
-    return read_ ? folder_.ReadStage(stage, key) : std::nullopt;
+  bool ReadStage(const std::string& stage, const std::string& key, const Take& take) const override {
+    return Any([&](Kept which) { return folder_.ReadStage(stage, key, which); }, take);
   }
   void WriteStage(const std::string& stage, const std::string& key, std::string_view bytes) const override {
     folder_.WriteStage(stage, key, bytes);
   }
 
  private:
+  bool Any(const std::function<std::optional<std::string>(Kept)>& read, const Take& take) const {
+    if (!read_) return false;
+    for (const Kept which : {Kept::kLast, Kept::kEarlier})
+      if (const auto bytes = read(which); bytes && take(*bytes)) return true;
+    return false;
+  }
+
   const OutputFolder& folder_;
   bool read_;
 };

@@ -14,7 +14,12 @@ namespace millpose {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kPassEnding = ".cbor";  // of a file in checkpoints/: a pass, a gap, triangles
 constexpr const char* kMarkText = "This folder is written by millpose; a new plan overwrites it.\n";
+
+std::string FileOf(const std::string& name, Kept which, const char* ending) {
+  return name + (which == Kept::kEarlier ? ".earlier" : "") + ending;
+}
 
 bool IsMarked(const Folder& folder) { return folder.KindOf(kMark) == Folder::Kind::kFile; }
 
@@ -167,10 +172,12 @@ std::optional<std::string> OutputFolder::ReadCached(const std::string& file, con
   return Unpacked(bytes);
 }
 
-void OutputFolder::WriteCached(const std::string& file, const std::string& key,
+void OutputFolder::WriteCached(const std::string& file, const std::string& earlier, const std::string& key,
                                std::string_view bytes) const {
   const Folder folder = folder_->MakeBelow(checkpoints_);
-  if (folder.KindOf(file) == Folder::Kind::kFolder) folder.RemoveAll(file);  // no checkpoint of ours
+  const Folder::Kind kind = folder.KindOf(file);
+  if (kind == Folder::Kind::kFolder) folder.RemoveAll(file);  // no checkpoint of ours
+  if (kind == Folder::Kind::kFile) folder.Move(file, folder, earlier);
   const std::string packed = Packed(bytes);
   folder.Write(file, [&](const ByteSink& sink) {
     sink(HashUnder(key, packed));
@@ -178,21 +185,23 @@ void OutputFolder::WriteCached(const std::string& file, const std::string& key,
   });
 }
 
-std::optional<std::string> OutputFolder::ReadCheckpoint(const std::string& key) const {
-  return ReadCached(key + ".cbor", key);
+std::optional<std::string> OutputFolder::ReadCheckpoint(const std::string& key, Kept which) const {
+  return ReadCached(FileOf(key, which, kPassEnding), key);
 }
 
 void OutputFolder::WriteCheckpoint(const std::string& key, std::string_view bytes) const {
-  WriteCached(key + ".cbor", key, bytes);
+  WriteCached(FileOf(key, Kept::kLast, kPassEnding), FileOf(key, Kept::kEarlier, kPassEnding), key, bytes);
 }
 
-std::optional<std::string> OutputFolder::ReadStage(const std::string& stage, const std::string& key) const {
-  return ReadCached(stage + kStageEnding, key);
+std::optional<std::string> OutputFolder::ReadStage(const std::string& stage, const std::string& key,
+                                                   Kept which) const {
+  return ReadCached(FileOf(stage, which, kStageEnding), key);
 }
 
 void OutputFolder::WriteStage(const std::string& stage, const std::string& key,
                               std::string_view bytes) const {
-  WriteCached(stage + kStageEnding, key, bytes);
+  WriteCached(FileOf(stage, Kept::kLast, kStageEnding), FileOf(stage, Kept::kEarlier, kStageEnding), key,
+              bytes);
 }
 
 void OutputFolder::RemoveCheckpoints() const {

@@ -43,6 +43,9 @@ enum class FolderUse : uint8_t {
   kResults,      ///< alone: writes results, and may remove checkpoints
 };
 
+/// Of the two results that are kept under one name (CheckpointStore).
+enum class Kept : uint8_t { kLast, kEarlier };
+
 /// The folder that a run writes into. It is marked as millpose's own, so that no other folder is ever
 /// overwritten, and locked as long as this object lives. Whatever it holds, nothing outside of it is read,
 /// moved, replaced or removed (Folder); links, pipes and the like in the place of what millpose uses are
@@ -73,13 +76,14 @@ class OutputFolder {
   void Write(const std::string& name, std::string_view bytes) const;
 
   /// A checkpoint's bytes; empty when there is none, or none that was written under this key.
-  std::optional<std::string> ReadCheckpoint(const std::string& key) const;
+  std::optional<std::string> ReadCheckpoint(const std::string& key, Kept which = Kept::kLast) const;
   void WriteCheckpoint(const std::string& key, std::string_view bytes) const;
-  /// The same for the last result of a stage, a word, whose file is named by it.
-  std::optional<std::string> ReadStage(const std::string& stage, const std::string& key) const;
+  /// The same for results of a stage, a word, whose files are named by it.
+  std::optional<std::string> ReadStage(const std::string& stage, const std::string& key,
+                                       Kept which = Kept::kLast) const;
   void WriteStage(const std::string& stage, const std::string& key, std::string_view bytes) const;
   void RemoveCheckpoints() const;
-  /// Removes the last results of stages alone, those of operations too: passes stay.
+  /// Removes the results of stages alone, those of operations too: passes stay.
   void RemoveStages() const;
   /// Removes checkpoints of operations but for these ("01_face", …), as far as it can.
   void KeepOperations(const std::vector<std::string>& names) const;
@@ -87,7 +91,9 @@ class OutputFolder {
  private:
   friend class ResultSet;
   std::optional<std::string> ReadCached(const std::string& file, const std::string& key) const;
-  void WriteCached(const std::string& file, const std::string& key, std::string_view bytes) const;
+  /// What stood in `file` stands in `earlier` then.
+  void WriteCached(const std::string& file, const std::string& earlier, const std::string& key,
+                   std::string_view bytes) const;
 
   std::shared_ptr<const Folder> folder_;
   std::shared_ptr<const FolderLock> lock_;

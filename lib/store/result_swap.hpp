@@ -19,7 +19,7 @@ inline constexpr const char* kStagingFolder = ".staging";
 /// The mark of an output folder.
 inline constexpr const char* kMark = ".millpose";
 inline constexpr const char* kCheckpointsFolder = "checkpoints";
-inline constexpr const char* kStageEnding = ".stage";  ///< of a file there: the last result of a stage
+inline constexpr const char* kStageEnding = ".stage";  ///< of a file there: a result of a stage
 
 /// Puts the staged set in the place of `old` (names that stand in `folder`; programs/ is one of them, as a
 /// whole). Throws InputError with the old set standing; where not even that can be restored, the journal

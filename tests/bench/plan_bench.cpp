@@ -122,7 +122,7 @@ Cost Measure(const fs::path& job, const std::vector<Override>& overrides) {
   const double optima = parts[static_cast<size_t>(CpuPart::kOptima)];
   const double interference = parts[static_cast<size_t>(CpuPart::kInterference)];
   const std::vector<const char*> ways = {"directions", "passes", "other stations", "finer passes",
-                                         "other ways", "ends",   "passes again"};
+                                         "other ways", "ends",   "passes again",   "faces"};
   const double passes = clock.Of(ways), gaps = clock.Of({"gaps", "starts"});
   const size_t points = cost.points;
   fmt::print("{}, {} points, one thread\n  {:<48} {:>9} {:>9} {:>7}\n", job.parent_path().filename().string(),
@@ -133,9 +133,10 @@ Cost Measure(const fs::path& job, const std::vector<Override>& overrides) {
   PrintRow("  of it directions", clock.Of({"directions"}), points, 0);
   PrintStages("gaps", {"gaps", "starts"}, 0.2, clock);
   PrintRow("planning", passes + gaps, points, 1.15);
-  const double beside = PrintStages(
-      "import, gouges, report",
-      {"read", "surface", "toolpath", "gouges", "engagement", "fixed rotations", "report"}, 0.15, clock);
+  const double beside = PrintStages("import, gouges, report",
+                                    {"read", "surface", "toolpath", "gouges", "engagement", "stations",
+                                     "stock", "fixed rotations", "report"},
+                                    0.15, clock);
   const double programs = PrintStages("programs written, read back, replayed", {"programs"}, 0.3, clock);
   PrintRow("outside of all stages", cost.cpu - passes - gaps - beside - programs, points, 0);
   PrintRow("all", cost.cpu, points, 1.6);
@@ -231,6 +232,8 @@ void MeasureEdits() {
   plan("a clamp, moved beside ways between passes", 3);
   WriteCellFile(out.path(), 0.2, kBesidePasses);
   plan("a clamp, moved beside some passes", 0);
+  WriteCellFile(out.path(), 0.2, kBesideWays);
+  plan("the same clamp, put back", 1);
 }
 
 }  // namespace

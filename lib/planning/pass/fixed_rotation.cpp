@@ -148,6 +148,32 @@ class Comparer {
     return bounds;
   }
 
+  /// The best free branch of every pass at a rotation; empty where one has none, which is `in_the_way` then.
+  /// Passes are asked from the one on that was in the way last, for what meets something at one rotation
+  /// mostly does so beside it at the next. They are asked in batches, each twice as large as the one before:
+  /// so what is looked at, which is kept with the result, is the same for any number of threads.
+  std::vector<Ranked> ServedAtAll(size_t rotation, const Criterion& by, size_t& in_the_way) {
+    std::vector<size_t> order(passes_.size());
+    std::iota(order.begin(), order.end(), 0);
+    const size_t from = in_the_way == kNone ? passes_.size() / 2 : in_the_way;
+    std::ranges::stable_sort(order, {}, [&](size_t i) { return i < from ? from - i : i - from; });
+    std::vector<std::optional<Ranked>> served(passes_.size());
+    for (size_t batch = 1, done = 0; done < order.size(); batch *= 2) {
+      const size_t end = std::min(done + batch, order.size());
+      ParallelFor(end - done, options_.threads, options_.stop, [&](size_t i) {
+        served[order[done + i]] = Served(passes_[order[done + i]], rotation, by);
+      });
+      for (; done < end; ++done) {
+        if (served[order[done]]) continue;
+        in_the_way = order[done];
+        return {};
+      }
+    }
+    std::vector<Ranked> all;
+    for (const auto& one : served) all.push_back(*one);
+    return all;
+  }
+
   /// The best rotation of the whole job.
   struct BestOfJob {
     Ranked whole;
@@ -157,22 +183,14 @@ class Comparer {
     BestOfJob best;
     for (const Ranked& bound : bounds) {
       if (!best.passes.empty() && !by.Better(bound, best.whole)) break;
-      if (in_the_way != kNone && !Served(passes_[in_the_way], bound.rotation, by)) continue;
-      std::vector<std::optional<Ranked>> served(passes_.size());
-      ParallelFor(passes_.size(), options_.threads, options_.stop,
-                  [&](size_t i) { served[i] = Served(passes_[i], bound.rotation, by); });
-      bool all = true;
+      std::vector<Ranked> served = ServedAtAll(bound.rotation, by, in_the_way);
+      if (served.empty()) continue;
       Ranked whole{0, 0, bound.rotation, 0};
-      for (size_t i = 0; i < served.size(); ++i) {
-        all = all && served[i];
-        if (!served[i]) in_the_way = i;
-        if (!all) continue;
-        whole.worst = std::max(whole.worst, served[i]->worst);
-        whole.sum += served[i]->sum;
+      for (const Ranked& one : served) {
+        whole.worst = std::max(whole.worst, one.worst);
+        whole.sum += one.sum;
       }
-      if (!all || (!best.passes.empty() && !by.Better(whole, best.whole))) continue;
-      best = {whole, {}};
-      for (const auto& one : served) best.passes.push_back(*one);
+      if (best.passes.empty() || by.Better(whole, best.whole)) best = {whole, std::move(served)};
     }
     return best;
   }

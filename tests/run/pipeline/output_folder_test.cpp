@@ -8,6 +8,7 @@
 #include "base/file.hpp"
 #include "base/hash.hpp"
 #include "base/writer_name.hpp"
+#include "store/folder_checkpoints.hpp"
 #include "store/read_whole.hpp"
 #include "store/result_swap.hpp"
 #include "tests/base/refusal.hpp"
@@ -301,6 +302,27 @@ TEST_F(OutputFolderTest, StagesGoAndPassesStayInOperationsToo) {
     EXPECT_FALSE(one.ReadStage("surface", "key"));
   }
   EXPECT_TRUE(fs::exists(deeper / "surface.stage"));
+}
+
+TEST_F(OutputFolderTest, WhatACheckpointReplacesIsKeptBesideIt) {
+  const OutputFolder folder(base_ / "out", FolderUse::kResults);
+  for (const char* bytes : {"first", "second", "third"}) {
+    folder.WriteCheckpoint("key", bytes);
+    folder.WriteStage("surface", bytes, bytes);
+  }
+  const FolderCheckpoints kept(folder, true);
+  std::vector<std::string> offered;
+  const auto refuse = [&](const std::string& bytes) {
+    offered.push_back(bytes);
+    return false;
+  };
+  EXPECT_FALSE(kept.Read("key", refuse));
+  EXPECT_EQ(offered, (std::vector<std::string>{"third", "second"}));
+  for (const char* key : {"first", "second", "third"}) EXPECT_FALSE(kept.ReadStage("surface", key, refuse));
+  EXPECT_EQ(offered, (std::vector<std::string>{"third", "second", "second", "third"}));
+  EXPECT_FALSE(FolderCheckpoints(folder, false).Read("key", [](const std::string&) { return true; }));
+  folder.RemoveStages();
+  EXPECT_FALSE(kept.ReadStage("surface", "second", [](const std::string&) { return true; }));
 }
 
 TEST_F(OutputFolderTest, DamagedCheckpointsAndThoseOfOthersAreNotUsed) {

@@ -145,15 +145,18 @@ TEST(PlanJob, CheckpointsThatAreNotWhatTheySayAreNotUsed) {
     const PlannedJob job = PlanJob(inputs, kept, {.threads = 2});
     EXPECT_EQ(job.resumed_passes + job.resumed_gaps, 0u);
     EXPECT_EQ(test::BytesOf(job), test::BytesOf(FreshPlan()));
-    EXPECT_EQ(kept.kept, sound.kept) << "what is planned anew takes its place";
+    ASSERT_EQ(kept.kept.size(), sound.kept.size());
+    for (const auto& [key, plans] : kept.kept)
+      EXPECT_EQ(plans.front(), sound.kept.at(key).front()) << "what is planned anew takes its place";
   };
   with([](MemoryCheckpoints& kept) {
     bool half = false;
-    for (auto& [key, bytes] : kept.kept) bytes = std::exchange(half, !half) ? bytes.substr(0, 100) : "";
+    for (auto& [key, plans] : kept.kept)
+      plans = {std::exchange(half, !half) ? plans.front().substr(0, 100) : ""};
   });
   with([](MemoryCheckpoints& kept) {  // each under the key of the next
-    std::string last = kept.kept.rbegin()->second;
-    for (auto& [key, bytes] : kept.kept) std::swap(last, bytes);
+    auto last = kept.kept.rbegin()->second;
+    for (auto& [key, plans] : kept.kept) std::swap(last, plans);
   });
 }
 

@@ -73,33 +73,46 @@ inline void CopySmallJob(const TestFolder& folder) {
 /// Checkpoints in memory, for all threads.
 class MemoryCheckpoints final : public CheckpointStore {
  public:
-  std::optional<std::string> Read(const std::string& key) const override {
-    const std::lock_guard lock(mutex_);
-    const auto found = kept.find(key);
-    return found == kept.end() ? std::nullopt : std::optional(found->second);
-  }
+  bool Read(const std::string& key, const Take& take) const override { return Offer(kept, key, take); }
   void Write(const std::string& key, std::string_view bytes) const override {
     const std::lock_guard lock(mutex_);
-    kept[key] = bytes;
+    Put(kept, key, std::string(bytes));
     ++writes;
   }
 
-  std::optional<std::string> ReadStage(const std::string& stage, const std::string& key) const override {
-    const std::lock_guard lock(mutex_);
-    const auto found = stages.find(stage);
-    if (found == stages.end() || found->second.first != key) return std::nullopt;
-    return found->second.second;
+  bool ReadStage(const std::string& stage, const std::string& key, const Take& take) const override {
+    return Offer(stages, stage, [&](const std::pair<std::string, std::string>& of) {
+      return of.first == key && take(of.second);
+    });
   }
   void WriteStage(const std::string& stage, const std::string& key, std::string_view bytes) const override {
     const std::lock_guard lock(mutex_);
-    stages[stage] = {key, std::string(bytes)};
+    Put(stages, stage, {key, std::string(bytes)});
   }
 
-  mutable std::map<std::string, std::string> kept;  ///< of passes and gaps
-  mutable std::map<std::string, std::pair<std::string, std::string>> stages;
+  template <class Value>
+  using LastTwo = std::map<std::string, std::vector<Value>>;  ///< the last first
+  mutable LastTwo<std::string> kept;                          ///< of passes and gaps
+  mutable LastTwo<std::pair<std::string, std::string>> stages;
   mutable int writes = 0;  ///< of passes and gaps
 
  private:
+  template <class Value>
+  static void Put(LastTwo<Value>& all, const std::string& name, Value value) {
+    std::vector<Value>& of = all[name];
+    of.insert(of.begin(), std::move(value));
+    of.resize(std::min<size_t>(of.size(), 2));
+  }
+  template <class Value, class Serves>
+  bool Offer(const LastTwo<Value>& all, const std::string& name, const Serves& serves) const {
+    std::vector<Value> of;
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto found = all.find(name); found != all.end()) of = found->second;
+    }
+    return std::ranges::any_of(of, serves);
+  }
+
   mutable std::mutex mutex_;
 };
 
