@@ -13,8 +13,7 @@ namespace {
 constexpr double kRounding = 1e-8;
 
 /// Gap between the intervals [−half, half] and [lower, upper], componentwise; negative where they overlap.
-Eigen::Vector3d LinkMove(const Eigen::Vector3d& half, const Eigen::Vector3d& lower,
-                         const Eigen::Vector3d& upper) {
+Eigen::Vector3d Gap(const Eigen::Vector3d& half, const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) {
   return (lower - half).cwiseMax(-half - upper);
 }
 
@@ -188,7 +187,7 @@ class Search {
   double TriangleBound(const TriangleTree::Corners& corners) const {
     const Eigen::Vector3d a = R_GM_ * (corners[0] - centre_), b = R_GM_ * (corners[1] - centre_),
                           c = R_GM_ * (corners[2] - centre_);
-    const Eigen::Vector3d gap = LinkMove(body_.half, a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
+    const Eigen::Vector3d gap = Gap(body_.half, a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
     double widest = gap.cwiseMax(0.0).norm();
     if (widest >= best_) return widest;
     const Eigen::Vector3d ab = b - a, bc = c - b, ca = a - c;

@@ -3,6 +3,7 @@
 
 #include "machine/collision/motion_bound.hpp"
 #include "machine/collision/world_impl.hpp"
+#include "machine/robot/compose.hpp"
 #include "machine/robot/kinematics.hpp"
 
 namespace millpose {
@@ -60,10 +61,10 @@ struct Checker::Impl {
 
   void Place(const Joints& q) {
     X_WL = FramesOf(world->cell, q);
-    for (Pose& X : X_WL) X = world->cell.X_WB * X;
+    for (Pose& X : X_WL) X = Compose(world->cell.X_WB, X);
     for (size_t i = 0; i < placed.size(); ++i) {
       const WorldBody& body = world->bodies[i];
-      if (body.link > 0) placed[i] = PlacePart(*body.part, X_WL[body.link] * body.X_LG);
+      if (body.link > 0) placed[i] = PlacePart(*body.part, Compose(X_WL[body.link], body.X_LG));
     }
   }
 
@@ -98,26 +99,26 @@ struct Checker::Impl {
   }
 
   /// Where the distance of a pair lies: below its clearance, from there on below what settles it, or beyond.
-  enum class LinkMove : uint8_t { kTooNear, kOpen, kWide };
+  enum class Gap : uint8_t { kTooNear, kOpen, kWide };
 
   /// The answer is that of the distance itself, whatever proves it first, so that a motion is cut up the same
   /// way whatever is tried before. Distances to far meshes cost more than looking at shorter parts of the
   /// motion: where more than kNearby is wanted, only the boxes settle a pair.
-  LinkMove Compare(const BodyPair& pair, double clearance, double wanted) const {
+  Gap Compare(const BodyPair& pair, double clearance, double wanted) const {
     const Placed &a = placed[pair.first], &b = placed[pair.second];
     const bool far = wanted > clearance + kNearby;
-    if ((far || !world->measures_all) && BoxesApart(a, b, wanted)) return LinkMove::kWide;
-    if (far) return Nearer(pair, clearance) ? LinkMove::kTooNear : LinkMove::kOpen;
+    if ((far || !world->measures_all) && BoxesApart(a, b, wanted)) return Gap::kWide;
+    if (far) return Nearer(pair, clearance) ? Gap::kTooNear : Gap::kOpen;
     const double least = world->measures_all ? 0 : ProvenDistance(a, b, wanted, clearance);
-    if (least >= wanted) return LinkMove::kWide;
+    if (least >= wanted) return Gap::kWide;
     const DistanceBracket certain = Bracket(pair, wanted, clearance - kSure);
-    if (certain.most < clearance - kSure) return LinkMove::kTooNear;
-    if (certain.least >= wanted) return LinkMove::kWide;
-    if (std::max(least, certain.least) >= clearance && certain.most < wanted - kSure) return LinkMove::kOpen;
+    if (certain.most < clearance - kSure) return Gap::kTooNear;
+    if (certain.least >= wanted) return Gap::kWide;
+    if (std::max(least, certain.least) >= clearance && certain.most < wanted - kSure) return Gap::kOpen;
     const double distance = DistanceUpTo(a, b, wanted).distance;
     // The distance of two convex parts may come out too small: what boxes prove is not too near (FarFrom).
-    if (distance < clearance) return BoxesApart(a, b, clearance) ? LinkMove::kOpen : LinkMove::kTooNear;
-    return distance < wanted ? LinkMove::kOpen : LinkMove::kWide;
+    if (distance < clearance) return BoxesApart(a, b, clearance) ? Gap::kOpen : Gap::kTooNear;
+    return distance < wanted ? Gap::kOpen : Gap::kWide;
   }
 
   Interference Report(const BodyPair& pair, const BoundedDistance& found) const {
@@ -249,23 +250,27 @@ std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, con
   Place(middle);
   const JointAxes axes = AxesOf(X_WL);
   const Joints most = MostTurnOf(world->cell, half_turn);
-  std::vector<std::optional<std::array<double, 7>>> moved(placed.size());
+  struct Moved {
+    double ball = -1;  ///< BallMoves()
+    std::optional<std::array<double, 7>> bounds;
+  };
+  std::vector<Moved> moved(placed.size());
   for (int index : pairs) {
     const BodyPair& pair = world->pairs[index];
     const WorldBody& body = world->bodies[pair.second];
-    auto& bounds = moved[pair.second];
-    if (!bounds) {
-      const Placed& at = placed[pair.second];
-      bounds = MotionBounds(axes, body.link, at.centre, at.half_axes, most);
-    }
+    const Placed& at = placed[pair.second];
+    auto& [ball, bounds] = moved[pair.second];
     const double clearance = Wanted(pair, phase);
+    // Most pairs are so far apart that the wider bound settles them, as the narrower one would.
+    if (ball < 0) ball = BallMoves(axes, body.link, at.centre, at.part->radius, most) + kSure;
+    if (!world->measures_all && BoxesApart(placed[pair.first], at, clearance + ball)) continue;
+    if (!bounds) bounds = MotionBounds(axes, body.link, at.centre, at.half_axes, most);
     const double motion = (*bounds)[world->bodies[pair.first].link];
     // What settles the pair for the whole motion: even the worst movement leaves clearance − resolution.
     const double wanted = std::max(clearance, clearance - resolution + motion);
-    const LinkMove gap = Compare(pair, clearance, wanted);
-    if (gap == LinkMove::kTooNear)
-      return ContactCandidate{middle, index, std::min(wanted, clearance + kNearby)};
-    if (gap == LinkMove::kOpen) undecided.push_back(index);
+    const Gap gap = Compare(pair, clearance, wanted);
+    if (gap == Gap::kTooNear) return ContactCandidate{middle, index, std::min(wanted, clearance + kNearby)};
+    if (gap == Gap::kOpen) undecided.push_back(index);
   }
   return std::nullopt;
 }

@@ -233,7 +233,7 @@ namespace {
 
 /// The gap between two boxes, as seen along the axes of `side`'s: in the corner region of one box outside of
 /// the other's extent along several of them.
-double LinkMoveAlongAxes(const Placed& side, const Placed& other, const Eigen::Vector3d& between) {
+double GapAlongAxes(const Placed& side, const Placed& other, const Eigen::Vector3d& between) {
   double square = 0;
   for (int i = 0; i < 3; ++i) {
     const auto axis = side.X_WG.linear().col(i);
@@ -249,19 +249,19 @@ double LinkMoveAlongAxes(const Placed& side, const Placed& other, const Eigen::V
 double BoxDistance(const Placed& a, const Placed& b) {
   const Eigen::Vector3d between = b.centre - a.centre;
   const double spheres = between.norm() - a.part->radius - b.part->radius;
-  return std::max({spheres, LinkMoveAlongAxes(a, b, between), LinkMoveAlongAxes(b, a, between), 0.0});
+  return std::max({spheres, GapAlongAxes(a, b, between), GapAlongAxes(b, a, between), 0.0});
 }
 
 bool BoxesApart(const Placed& a, const Placed& b, double bound) {
   const Eigen::Vector3d between = b.centre - a.centre;
   return bound <= 0 || between.norm() - a.part->radius - b.part->radius >= bound ||
-         LinkMoveAlongAxes(a, b, between) >= bound || LinkMoveAlongAxes(b, a, between) >= bound;
+         GapAlongAxes(a, b, between) >= bound || GapAlongAxes(b, a, between) >= bound;
 }
 
 bool ApartFromStill(const Placed& still, const Placed& part, double bound) {
   const Eigen::Vector3d between = part.centre - still.centre;
   return between.norm() - still.part->radius - part.part->radius >= bound ||
-         LinkMoveAlongAxes(still, part, between) >= bound;
+         GapAlongAxes(still, part, between) >= bound;
 }
 
 namespace {

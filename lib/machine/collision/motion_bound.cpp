@@ -32,4 +32,14 @@ std::array<double, 7> MotionBounds(const JointAxes& axes, int link, const Eigen:
   return moved;
 }
 
+double BallMoves(const JointAxes& axes, int link, const Eigen::Vector3d& centre, double radius,
+                 const Joints& turn) {
+  double moved = 0;
+  for (int j = link; j >= 1; --j) {
+    const double arm = (centre - axes.point[j - 1]).norm() + radius;
+    moved += turn[j - 1] * (arm + moved);
+  }
+  return moved;
+}
+
 }  // namespace millpose

@@ -28,4 +28,9 @@ JointAxes AxesOf(const std::array<Pose, 7>& X_WL);
 std::array<double, 7> MotionBounds(const JointAxes& axes, int link, const Eigen::Vector3d& centre,
                                    const Eigen::Matrix3d& half_axes, const Joints& turn);
 
+/// No less than entry 0 of that, from the ball about the box alone, which costs less: of any point within
+/// `radius` of `centre`.
+double BallMoves(const JointAxes& axes, int link, const Eigen::Vector3d& centre, double radius,
+                 const Joints& turn);
+
 }  // namespace millpose

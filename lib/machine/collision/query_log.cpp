@@ -10,6 +10,7 @@
 #include "machine/collision/motion_bound.hpp"
 #include "machine/collision/world.hpp"
 #include "machine/collision/world_impl.hpp"
+#include "machine/robot/compose.hpp"
 #include "machine/robot/kinematics.hpp"
 
 namespace millpose {
@@ -25,18 +26,6 @@ float Down(double value) {
 }
 float Up(double value) {
   return std::nextafter(static_cast<float>(value), std::numeric_limits<float>::infinity());
-}
-
-/// How far a point within `radius` of `centre`, on `link`, may move in W when each joint turns by at most
-/// `turn` (MotionBounds, of the ball about the body).
-double BallMoves(const JointAxes& axes, int link, const Eigen::Vector3d& centre, double radius,
-                 const Joints& turn) {
-  double moved = 0;
-  for (int j = link; j >= 1; --j) {
-    const double arm = (centre - axes.point[j - 1]).norm() + radius;
-    moved += turn[j - 1] * (arm + moved);
-  }
-  return moved;
 }
 
 }  // namespace
@@ -123,11 +112,11 @@ bool World::FarFrom(const std::vector<std::string>& still, const Queries& looks)
     }
     turn = MostTurnOf(impl_->cell, turn);
     std::array<Pose, 7> X_WL = FramesOf(impl_->cell, middle);
-    for (Pose& X : X_WL) X = impl_->cell.X_WB * X;
+    for (Pose& X : X_WL) X = Compose(impl_->cell.X_WB, X);
     const JointAxes axes = AxesOf(X_WL);
     for (const WorldBody& body : impl_->bodies) {
       if (body.link == 0) continue;
-      const Placed part = PlacePart(*body.part, X_WL[static_cast<size_t>(body.link)] * body.X_LG);
+      const Placed part = PlacePart(*body.part, Compose(X_WL[static_cast<size_t>(body.link)], body.X_LG));
       // Gaps along the obstacle's directions are less at another pose of the box, all three together by √3
       // times what the body moves at most. A motion is looked at in ever shorter parts until they suffice: as
       // long as they exceed the clearance, no part ends the check.

@@ -4,6 +4,7 @@
 #include "base/rotation.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
+#include "machine/robot/compose.hpp"
 #include "machine/robot/kinematics.hpp"
 
 namespace millpose {
@@ -53,11 +54,11 @@ double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
 }
 
 Pose Carrier::ToolPose(const Joints& q, double share) const {
-  return BasePose(share) * ForwardFlange(arm, q) * X_FT;
+  return Compose(Compose(BasePose(share), ForwardFlange(arm, q)), X_FT);
 }
 
 Pose Carrier::FlangePose(const Pose& X_WT, double share) const {
-  return BasePose(share).inverse(Eigen::Isometry) * X_WT * X_FT.inverse(Eigen::Isometry);
+  return Compose(Compose(BasePose(share).inverse(Eigen::Isometry), X_WT), X_FT.inverse(Eigen::Isometry));
 }
 
 LineMotion FollowLine(const Carrier& carrier, const Joints& q, const Pose& X_WT_end, const Joints& lower,

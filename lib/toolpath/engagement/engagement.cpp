@@ -43,7 +43,7 @@ class Cutting {
     }
     const bool side = MillsWithItsSide(point);
     const double length = options_.edge.cutter.length;
-    const SweptPath::Near before = swept_.Before(number, point.position, point.normal, side ? length : 0.0);
+    SweptPath::Near before = swept_.Before(number, point.position, point.normal, side ? length : 0.0);
     const InMaterial stands = [&](const Vector3d& place) {
       // In this order: what was milled before costs less to ask than the stock.
       return !swept_.Removed(before, place) && options_.stock(place);

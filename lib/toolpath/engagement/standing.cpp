@@ -147,8 +147,12 @@ bool SweptPath::Removed(int index, const Near& near, const Eigen::Vector3d& plac
   return std::min(at_start, at_end) <= height + drop_ && Takes(motion, place);
 }
 
-bool SweptPath::Removed(const Near& near, const Eigen::Vector3d& place) const {
-  return std::ranges::any_of(near.stretches, [&](int stretch) { return Removed(stretch, near, place); });
+bool SweptPath::Removed(Near& near, const Eigen::Vector3d& place) const {
+  const auto taken =
+      std::ranges::find_if(near.stretches, [&](int stretch) { return Removed(stretch, near, place); });
+  if (taken == near.stretches.end()) return false;
+  std::iter_swap(taken, near.stretches.begin());  // it mostly takes the next place too
+  return true;
 }
 
 }  // namespace millpose

@@ -36,13 +36,13 @@ class SweptPath {
     size_t number = 0;              ///< of the point
     Eigen::Vector3d place, normal;  ///< its own
     double reach = 0;               ///< mm along each axis of P: no motion whose tips are farther matters
-    std::vector<int> stretches;     ///< of the path, the last first
+    std::vector<int> stretches;     ///< of the path; first the one that has taken a place last
   };
   /// `above`, mm: how much farther up the tool's axis than that it is asked about.
   Near Before(size_t number, const Eigen::Vector3d& place, const Eigen::Vector3d& normal,
               double above = 0) const;
   /// Whether any of it has taken `place` off, which is no farther from the point than the cutter's radius.
-  bool Removed(const Near& near, const Eigen::Vector3d& place) const;
+  bool Removed(Near& near, const Eigen::Vector3d& place) const;
 
  private:
   struct Motion {

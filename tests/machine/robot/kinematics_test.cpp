@@ -5,6 +5,7 @@
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 
+#include "machine/robot/compose.hpp"
 #include "tests/machine/robot/arms.hpp"
 #include "tests/machine/robot/kdl_chain.hpp"
 
@@ -38,6 +39,16 @@ TEST(Kinematics, ForwardAndJacobianAgreeWithKdl) {
       const Matrix6 own = Jacobian(arm, q, p_FT);
       ASSERT_LT((own - J.data).cwiseAbs().maxCoeff(), 1e-9 * 3000) << arm.name;
     }
+  }
+}
+
+TEST(Compose, IsTheProductOfEigenToTheLastBit) {
+  RandomStream stream(3, 0);
+  for (int k = 0; k < 10000; ++k) {
+    const Arm arm = Kr500R2830();
+    const Pose a = ForwardFlange(arm, RandomJoints(stream)), b = ForwardFlange(arm, RandomJoints(stream));
+    const Pose product = a * b;
+    ASSERT_TRUE(Compose(a, b).matrix() == product.matrix()) << k;
   }
 }
 
