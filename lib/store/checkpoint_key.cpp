@@ -2,9 +2,9 @@
 #include "store/checkpoint_key.hpp"
 
 #include "base/process.hpp"
+#include "base/value_bytes.hpp"
 #include "planning/result/pass_value.hpp"
 #include "store/cached_pass.hpp"
-#include "store/value_bytes.hpp"
 
 namespace millpose {
 void AppendTo(ValueBytes& bytes, const Freedom& freedom) {

@@ -2,7 +2,7 @@
 #include "store/plan_key.hpp"
 
 #include "base/parallel.hpp"
-#include "store/value_bytes.hpp"
+#include "base/value_bytes.hpp"
 
 namespace millpose {
 

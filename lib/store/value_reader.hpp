@@ -5,7 +5,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "store/value_bytes.hpp"
+#include "base/value_bytes.hpp"
 
 namespace millpose {
 

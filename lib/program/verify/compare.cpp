@@ -6,6 +6,7 @@
 #include "machine/robot/kinematics.hpp"
 #include "program/program_place.hpp"
 #include "program/verify/compare_events.hpp"
+#include "program/verify/confirmed_runs.hpp"
 #include "program/verify/corner.hpp"
 #include "program/verify/run_comparison.hpp"
 #include "program/verify/stations.hpp"
@@ -139,9 +140,20 @@ std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const
   const ArmBodies bodies(cell);
   std::vector<std::vector<Finding>> of_runs(common);
   ParallelFor(common, execution.Threads(), execution.stop, [&](size_t i) {
-    RunComparison comparison(replayed, replayed.runs[i], plan, plan.runs[i], bodies, options, proofs);
+    const FeedRun& run = replayed.runs[i];
+    const auto of_run = std::span(proofs).subspan(run.first, run.last + 1 - run.first);
+    std::string key;
+    if (options.confirmed) {
+      key = ConfirmedRuns::KeyOf(replayed, run, plan, plan.runs[i], options);
+      if (const std::vector<Proof> known = options.confirmed->Find(key); !known.empty()) {
+        std::ranges::copy(known, of_run.begin());
+        return;
+      }
+    }
+    RunComparison comparison(replayed, run, plan, plan.runs[i], bodies, options, proofs);
     of_runs[i] = comparison.Compare();
     comparison.HandOn(look, of_runs[i]);
+    if (options.confirmed && of_runs[i].empty()) options.confirmed->Add(key, {of_run.begin(), of_run.end()});
   });
   for (const auto& list : of_runs) findings.insert(findings.end(), list.begin(), list.end());
 

@@ -8,6 +8,8 @@
 
 namespace millpose {
 
+class ConfirmedRuns;
+
 /// What kind of thing is wrong with a program: findings of one cause have one cure.
 enum class Cause : uint8_t {
   kOther,
@@ -70,6 +72,8 @@ struct VerifyOptions {
   /// With a plan: its program as written and read back, frames completed. What texts and hands put into the
   /// program (texts of the cell, calls, stops, waits, messages, tools) must then be what stands there.
   const MotionProgram* written = nullptr;
+  /// Asked whether a cut was confirmed before, and told of those that are; nullptr: nobody is.
+  ConfirmedRuns* confirmed = nullptr;
 };
 
 /// Replays `program` as its controller would (straight lines with interpolated orientation, joint motions,

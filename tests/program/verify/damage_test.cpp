@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/verify/confirmed_runs.hpp"
 #include "tests/program/verify/same_motions.hpp"
 #include "tests/program/verify/sample_cell.hpp"
 
@@ -93,6 +94,36 @@ TEST_P(DamagedProgram, IsCaughtWithItsLine) {
     }
   }
   EXPECT_GE(kinds, 40);
+}
+
+// Where cuts were confirmed before, a damaged program has the findings that it has by itself.
+TEST_P(DamagedProgram, IsCaughtLikewiseWhereItsCutsWereConfirmed) {
+  ConfirmedRuns confirmed;
+  VerifyOptions knowing = options;
+  knowing.confirmed = &confirmed;
+  for (int again = 0; again < 2; ++again) {
+    EXPECT_TRUE(Verify(Read(text), world, &program, knowing, {.threads = 2}).empty());
+    EXPECT_EQ(confirmed.found(), again * FeedRuns(as_written).size());
+  }
+  const size_t found = confirmed.found();
+  std::vector<TextEdit> edits = Damages();
+  std::ranges::copy(HarmlessEdits(), std::back_inserter(edits));
+  for (const TextEdit& edit : edits) {
+    const std::optional<std::string> edited = Applies(edit) ? edit.apply(text) : std::nullopt;
+    if (!edited) continue;
+    try {
+      const MotionProgram read = Read(*edited);
+      const auto plain = Verify(read, world, &program, options, {.threads = 2});
+      const auto shortened = Verify(read, world, &program, knowing, {.threads = 2});
+      ASSERT_EQ(shortened.size(), plain.size()) << edit.name;
+      for (size_t i = 0; i < plain.size(); ++i) {
+        EXPECT_EQ(shortened[i].line, plain[i].line) << edit.name;
+        EXPECT_EQ(shortened[i].message, plain[i].message) << edit.name;
+      }
+    } catch (const InputError&) {
+    }
+  }
+  EXPECT_GT(confirmed.found(), found) << "cuts that an edit leaves as they were";
 }
 
 TEST_P(DamagedProgram, SubprogramsInAnotherOrderAreCaught) {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "base/random.hpp"
+#include "base/value_bytes.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "run/pipeline/stages/plan_passes.hpp"
-#include "store/value_bytes.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 
 namespace millpose {

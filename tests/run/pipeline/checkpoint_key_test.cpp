@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "store/checkpoint_key.hpp"
 
-#include "store/value_bytes.hpp"
+#include "base/value_bytes.hpp"
 
 namespace millpose {
 namespace {

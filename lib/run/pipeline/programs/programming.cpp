@@ -15,6 +15,7 @@ Programming::Programming(const JobInputs& all, std::string name, const World& at
       post(*all.cell.controllers.at(controller).post),
       options(MakeVerifyOptions(all.job, at_zero.cell().arm)),
       execution(run) {
+  options.confirmed = confirmed.get();
   if (const auto deviations = CommandedDeviations(all.job, all.cell)) {
     as_it_is = std::make_shared<const World>(AsItIs(at_zero.cell(), *deviations));
     options.as_it_is = as_it_is.get();

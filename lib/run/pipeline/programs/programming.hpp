@@ -5,7 +5,7 @@
 #include "job/inputs.hpp"
 #include "machine/collision/world.hpp"
 #include "program/post.hpp"
-#include "program/verify/verify.hpp"
+#include "program/verify/confirmed_runs.hpp"
 
 namespace millpose {
 
@@ -20,6 +20,7 @@ struct Programming {
   const PostSettings settings;
   const Post& post;
   std::shared_ptr<const World> as_it_is;  ///< where the job takes the arm's deviations out
+  const std::shared_ptr<ConfirmedRuns> confirmed = std::make_shared<ConfirmedRuns>();
   VerifyOptions options;
   const Execution execution;
 };
