@@ -198,7 +198,6 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs);
 /// run.json.
 std::string RunJson(const RunFigures& figures);
 
-/// The screenful that `plan` prints.
 /// Adds lines "word sentence", as many as there is room for, then how many follow: "3 more", or "3 `all`"
 /// where none was told.
 void TellSome(const std::string& word, const std::vector<std::string>& sentences, size_t room,

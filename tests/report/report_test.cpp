@@ -39,6 +39,19 @@ TEST(BriefText, HasTwelveLinesAtMost) {
   }
 }
 
+TEST(TellSome, CountsWhatThereIsNoRoomFor) {
+  const std::vector<std::string> three{"a", "b", "c"};
+  const auto told = [&](size_t room) {
+    std::vector<std::string> lines;
+    TellSome("skipped", three, room, lines, "operations");
+    return fmt::format("{}", fmt::join(lines, "|"));
+  };
+  EXPECT_EQ(told(3), "skipped    a|skipped    b|skipped    c");
+  EXPECT_EQ(told(2), "skipped    a|skipped    2 more: plan -v or report.html");
+  EXPECT_EQ(told(1), "skipped    3 operations: plan -v or report.html");
+  EXPECT_EQ(told(0), "");
+}
+
 TEST(Report, FiguresAreThoseOfThePlannedPoints) {
   const PlanFigures figures = Figures(SmallPlan());
   EXPECT_EQ(figures.total, 4u);

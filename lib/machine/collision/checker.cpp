@@ -20,7 +20,7 @@ constexpr double kNearby = 15;
 
 struct Checker::Impl {
   std::shared_ptr<const World::Impl> world;
-  std::vector<Placed> placed;  ///< the bodies at the pose last asked for
+  std::vector<Placed> placed;  ///< the bodies at the pose last asked for, or some of them
   std::array<Pose, 7> X_WL;    ///< the links at that pose
   CheckCounts counts;
 
@@ -60,12 +60,16 @@ struct Checker::Impl {
   }
 
   void Place(const Joints& q) {
+    PlaceLinks(q);
+    for (size_t i = 0; i < placed.size(); ++i) PlaceBody(i);
+  }
+  void PlaceLinks(const Joints& q) {
     X_WL = FramesOf(world->cell, q);
     for (Pose& X : X_WL) X = Compose(world->cell.X_WB, X);
-    for (size_t i = 0; i < placed.size(); ++i) {
-      const WorldBody& body = world->bodies[i];
-      if (body.link > 0) placed[i] = PlacePart(*body.part, Compose(X_WL[body.link], body.X_LG));
-    }
+  }
+  void PlaceBody(size_t i) {
+    const WorldBody& body = world->bodies[i];
+    if (body.link > 0) placed[i] = PlacePart(*body.part, Compose(X_WL[body.link], body.X_LG));
   }
 
   /// Whether a pair is proven to be `bound` apart, without its distance.
@@ -215,10 +219,10 @@ std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, doubl
   for (const BodyPair& pair : impl_->world->pairs) {
     if (!pair.clearance[static_cast<int>(phase)]) continue;
     const Placed &a = impl_->placed[pair.first], &b = impl_->placed[pair.second];
-    const double apart = impl_->world->measures_all ? 0 : BoxDistance(a, b);
-    if (apart >= most) continue;
+    if (!impl_->world->measures_all && BoxesApart(a, b, most)) continue;
     const DistanceBracket certain = impl_->Bracket(pair, most, 0);
     most = std::min(most, certain.most + kSure);
+    const double apart = impl_->world->measures_all ? 0 : BoxDistance(a, b);
     nearest.emplace_back(std::max(apart, certain.least), &pair);
   }
   std::sort(nearest.begin(), nearest.end());
@@ -247,19 +251,22 @@ std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, con
                                                        const std::vector<int>& pairs,
                                                        std::vector<int>& undecided) {
   ++counts.looks;
-  Place(middle);
+  PlaceLinks(middle);
   const JointAxes axes = AxesOf(X_WL);
   const Joints most = MostTurnOf(world->cell, half_turn);
   struct Moved {
-    double ball = -1;  ///< BallMoves()
+    bool here = false;  ///< placed; of what was divided from longer motions few bodies are asked about
+    double ball = -1;   ///< BallMoves()
     std::optional<std::array<double, 7>> bounds;
   };
   std::vector<Moved> moved(placed.size());
   for (int index : pairs) {
     const BodyPair& pair = world->pairs[index];
     const WorldBody& body = world->bodies[pair.second];
+    for (const auto i : {static_cast<size_t>(pair.first), static_cast<size_t>(pair.second)})
+      if (!std::exchange(moved[i].here, true)) PlaceBody(i);
     const Placed& at = placed[pair.second];
-    auto& [ball, bounds] = moved[pair.second];
+    auto& [here, ball, bounds] = moved[pair.second];
     const double clearance = Wanted(pair, phase);
     // Most pairs are so far apart that the wider bound settles them, as the narrower one would.
     if (ball < 0) ball = BallMoves(axes, body.link, at.centre, at.part->radius, most) + kSure;

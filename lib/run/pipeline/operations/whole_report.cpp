@@ -299,7 +299,7 @@ std::string WholeReport(const std::string& job, const std::vector<DoneOperation>
 namespace {
 
 constexpr size_t kMostTold = 12;  // lines
-constexpr size_t kToldPrograms = 3, kToldFindings = 3;
+constexpr size_t kToldSkipped = 2, kToldPrograms = 3, kToldFindings = 3;
 
 using ToldLines = std::vector<std::string>;
 
@@ -359,7 +359,7 @@ std::string WholeBrief(const std::string& job, const std::vector<DoneOperation>&
         "{}: {} of {} points with {}, {}", done.name, done.json.at("points").at("planned").get<size_t>(),
         done.json.at("points").at("total").get<size_t>(), done.tool, (out / done.folder).string()));
   }
-  TellSome("skipped", skipped, 1, lines);
+  TellSome("skipped", skipped, kToldSkipped, lines);
   TellSome("program", ProgramLines(operations, programs), kToldPrograms, lines);
   if (const Json least = Pick(operations, "/clearance_min_mm", std::less()); least.is_number())
     lines.push_back(fmt::format("{:<10} at least {:.1f} mm", "clearance", least.get<double>()));
