@@ -14,24 +14,34 @@ struct CachedPlan {
   std::string plan;  ///< Serialise() of it
 };
 
+void WritePlan(const CheckpointStore& checkpoints, const std::string& key, QueryRecord asked,
+               std::string plan) {
+  checkpoints.Write(key, ValueBytes().Add(CachedPlan{std::move(asked), std::move(plan)}).bytes());
+}
+
 /// Hands a plan that was kept under `key` and holds to `take`, which says whether it is one of what is asked
 /// for.
 bool ReadPlan(const CheckpointStore& checkpoints, const std::string& key, const World& world,
               const Obstacles& obstacles, const std::function<bool(const std::string&)>& take) {
-  return checkpoints.Read(key, [&](const std::string& bytes) {
-    CachedPlan kept;
-    if (!ValueReader(bytes).Read(kept) || !StillHolds(kept.asked, world, obstacles)) return false;
-    try {
-      return take(kept.plan);
-    } catch (const InputError&) {
-      return false;
-    }
-  });
-}
-
-void WritePlan(const CheckpointStore& checkpoints, const std::string& key, QueryRecord asked,
-               std::string plan) {
-  checkpoints.Write(key, ValueBytes().Add(CachedPlan{std::move(asked), std::move(plan)}).bytes());
+  CachedPlan kept;
+  const auto read = [&](bool nothing_moved) {
+    return checkpoints.Read(key, [&](const std::string& bytes) {
+      kept = {};
+      if (!ValueReader(bytes).Read(kept)) return false;
+      const bool as_now = kept.asked.obstacles == obstacles;
+      if (nothing_moved ? !as_now : !StillHolds(kept.asked, world, obstacles)) return false;
+      try {
+        return take(kept.plan);
+      } catch (const InputError&) {
+        return false;
+      }
+    });
+  };
+  if (read(true)) return true;
+  if (!read(false)) return false;
+  // So that what has moved is looked at once.
+  WritePlan(checkpoints, key, {obstacles, std::move(kept.asked.looks)}, std::move(kept.plan));
+  return true;
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ struct QueryRecord {
 bool StillHolds(const QueryRecord& asked, const World& world, const Obstacles& now);
 
 /// The pass that was kept under `key`, if there is one that `fits` and planning it anew in `world`, whose
-/// obstacles are `obstacles`, would give the same (StillHolds).
+/// obstacles are `obstacles`, would give the same (StillHolds). Where one of them has changed, the checkpoint
+/// is written anew.
 std::optional<PassResult> ReadPass(const CheckpointStore& checkpoints, const std::string& key,
                                    const World& world, const Obstacles& obstacles,
                                    const std::function<bool(const PassResult&)>& fits);

@@ -63,8 +63,9 @@ TEST(KeptPass, AMovedFixtureCostsOnlyThePassesItMatters) {
   EXPECT_EQ(test::BytesOf(back), test::BytesOf(close));
 
   // From where it was told of: whatever it stood in the way of is free now.
-  for (auto& [key, plans] : kept.kept) plans.resize(1);
-  const PlannedJob anew = posts.Plan(BoxStl(-3000, 0, 50), kept);
+  const test::MemoryCheckpoints of_near;
+  posts.Plan(near, of_near);
+  const PlannedJob anew = posts.Plan(BoxStl(-3000, 0, 50), of_near);
   EXPECT_EQ(anew.resumed_passes, 0);
   EXPECT_EQ(test::BytesOf(anew), test::BytesOf(first));
 }
@@ -177,8 +178,12 @@ class CachedPlan {
 TEST(KeptPass, IsReadWhereWhatMovedIsFarFromEveryLook) {
   CachedPlan kept;
   ASSERT_TRUE(kept.Holds());
+  EXPECT_EQ(kept.kept.writes, 1) << "nothing has changed";
   kept.last().X_MG.translation().x() = -500;
   EXPECT_TRUE(kept.Holds());
+  EXPECT_EQ(kept.kept.writes, 2) << "it is kept as of where they stand now";
+  EXPECT_TRUE(kept.Holds());
+  EXPECT_EQ(kept.kept.writes, 2);
   EXPECT_FALSE(kept.Holds(false)) << "of other points";
   kept.last().X_MG = kept.cell.X_WB * ForwardFlange(kept.cell.arm, kept.cell.home);
   EXPECT_FALSE(kept.Holds()) << "within the arm at home";
