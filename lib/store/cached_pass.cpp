@@ -3,45 +3,40 @@
 
 #include <algorithm>
 
-#include "base/error.hpp"
 #include "store/value_reader.hpp"
 
 namespace millpose {
 namespace {
 
+template <class Plan>
 struct CachedPlan {
   QueryRecord asked;
-  std::string plan;  ///< Serialise() of it
+  Plan plan;
 };
 
-void WritePlan(const CheckpointStore& checkpoints, const std::string& key, QueryRecord asked,
-               std::string plan) {
-  checkpoints.Write(key, ValueBytes().Add(CachedPlan{std::move(asked), std::move(plan)}).bytes());
+template <class Plan>
+void WritePlan(const CheckpointStore& checkpoints, const std::string& key, const CachedPlan<Plan>& kept) {
+  checkpoints.Write(key, ValueBytes().Add(kept).bytes());
 }
 
-/// Hands a plan that was kept under `key` and holds to `take`, which says whether it is one of what is asked
-/// for.
-bool ReadPlan(const CheckpointStore& checkpoints, const std::string& key, const World& world,
-              const Obstacles& obstacles, const std::function<bool(const std::string&)>& take) {
-  CachedPlan kept;
+/// The plan that was kept under `key`, holds, and `fits`.
+template <class Plan>
+std::optional<Plan> ReadPlan(const CheckpointStore& checkpoints, const std::string& key, const World& world,
+                             const Obstacles& obstacles, const std::function<bool(const Plan&)>& fits) {
+  CachedPlan<Plan> kept;
   const auto read = [&](bool nothing_moved) {
     return checkpoints.Read(key, [&](const std::string& bytes) {
       kept = {};
       if (!ValueReader(bytes).Read(kept)) return false;
       const bool as_now = kept.asked.obstacles == obstacles;
-      if (nothing_moved ? !as_now : !StillHolds(kept.asked, world, obstacles)) return false;
-      try {
-        return take(kept.plan);
-      } catch (const InputError&) {
-        return false;
-      }
+      return (nothing_moved ? as_now : StillHolds(kept.asked, world, obstacles)) && fits(kept.plan);
     });
   };
-  if (read(true)) return true;
-  if (!read(false)) return false;
-  // So that what has moved is looked at once.
-  WritePlan(checkpoints, key, {obstacles, std::move(kept.asked.looks)}, std::move(kept.plan));
-  return true;
+  if (read(true)) return std::move(kept.plan);
+  if (!read(false)) return std::nullopt;
+  kept.asked.obstacles = obstacles;  // so that what has moved is looked at once
+  WritePlan(checkpoints, key, kept);
+  return std::move(kept.plan);
 }
 
 }  // namespace
@@ -85,33 +80,23 @@ bool StillHolds(const QueryRecord& asked, const World& world, const Obstacles& n
 std::optional<PassResult> ReadPass(const CheckpointStore& checkpoints, const std::string& key,
                                    const World& world, const Obstacles& obstacles,
                                    const std::function<bool(const PassResult&)>& fits) {
-  PassResult plan;
-  const auto take = [&](const std::string& bytes) {
-    plan = ParsePassResult(bytes, key);
-    return fits(plan);
-  };
-  return ReadPlan(checkpoints, key, world, obstacles, take) ? std::optional(std::move(plan)) : std::nullopt;
+  return ReadPlan(checkpoints, key, world, obstacles, fits);
 }
 
 void WritePass(const CheckpointStore& checkpoints, const std::string& key, const Obstacles& obstacles,
                Queries looks, const PassResult& plan) {
-  WritePlan(checkpoints, key, {obstacles, std::move(looks)}, Serialise(plan));
+  WritePlan<PassResult>(checkpoints, key, {{obstacles, std::move(looks)}, plan});
 }
 
 std::optional<LinkMove> ReadLinkMove(const CheckpointStore& checkpoints, const std::string& key,
                                      const World& world, const Obstacles& obstacles,
                                      const std::function<bool(const LinkMove&)>& fits) {
-  LinkMove gap;
-  const auto take = [&](const std::string& bytes) {
-    gap = ParseLinkMove(bytes, key);
-    return fits(gap);
-  };
-  return ReadPlan(checkpoints, key, world, obstacles, take) ? std::optional(std::move(gap)) : std::nullopt;
+  return ReadPlan(checkpoints, key, world, obstacles, fits);
 }
 
 void WriteLinkMove(const CheckpointStore& checkpoints, const std::string& key, const Obstacles& obstacles,
                    Queries looks, const LinkMove& gap) {
-  WritePlan(checkpoints, key, {obstacles, std::move(looks)}, Serialise(gap));
+  WritePlan<LinkMove>(checkpoints, key, {{obstacles, std::move(looks)}, gap});
 }
 
 }  // namespace millpose

@@ -14,7 +14,7 @@ namespace millpose {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kPassEnding = ".cbor";  // of a file in checkpoints/: a pass, a gap, triangles
+constexpr const char* kPassEnding = ".kept";  // of a file in checkpoints/: a pass, a gap, triangles
 constexpr const char* kMarkText = "This folder is written by millpose; a new plan overwrites it.\n";
 
 std::string FileOf(const std::string& name, Kept which, const char* ending) {

@@ -253,11 +253,11 @@ class Clean(InFolder):
         again = ("--set", "process.spindle_rpm=6000")
         planned = run("plan", JOB, "-o", out, *SETS, *again)
         self.assertEqual(planned.returncode, 0, planned.stderr)
-        kept = sorted(file for file in (out / "checkpoints").rglob("*") if file.suffix == ".cbor")
+        kept = sorted(file for file in (out / "checkpoints").rglob("*") if file.suffix == ".kept")
         self.assertTrue(kept and list((out / "checkpoints").rglob("*.stage")))
         told = run("clean", out, "--keep", "passes")
         self.assertEqual(told.returncode, 0, told.stderr)
-        self.assertEqual((sorted((out / "checkpoints").rglob("*.cbor")), list((out / "checkpoints").rglob("*.stage"))), (kept, []))
+        self.assertEqual((sorted((out / "checkpoints").rglob("*.kept")), list((out / "checkpoints").rglob("*.stage"))), (kept, []))
         for file in kept:  # the hash of what follows, then a frame of zstd
             self.assertEqual(file.read_bytes()[32:36], b"\x28\xb5\x2f\xfd", file)
         wrong = run("clean", out, "--keep", "pass")

@@ -42,10 +42,13 @@ LEFT_OUT = {
        for key in ("pose.xyz_mm", "pose.abc_deg", "centre_mm", "covariance_mm_mrad", "bending.covariance_mm_mrad")},
     "workpiece.registration.tolerance_mm": "a bound on that (cli_register)",
     "workpiece.registration.max_bending_mm": "a bound on that (cli_register)",
+    "tools_file": "another name of the same tools (cli_tools)",
+    "tool_held": "of a job's operations (cli_operations)",
     "compensation.map_csv": "another name of the same file (cli_register)",
     "controllers.linuxcnc.m6_moves": "true is refused where programs have M6",
     "workpiece.stock.unit": "a stock of another size touches at home",
     "toolpath.drill.circles.diameter_mm": "of another diameter there is no hole",
+    "pose.objective.force": "of an objective that another program holds (cli_python)",
     "pose.objective.expression": "stands in place of a name (cli_expression)",
     "toolpath.strategy": "each has keys of its own: the variants",
     "operation": "a name for people", "operation_of": "a name for people",
@@ -190,7 +193,7 @@ class Keys(InFolder):
         cell["arm"]["lengths_mm"]["dy"] = 2.5
         job["toolpath"]["ends"] = {"overrun_mm": 1, "lead": "ramp", "lead_length_mm": 10, "ramp_deg": 15}
         job["toolpath"]["depth"] = {"total_mm": 1, "per_layer_mm": 0.5, "allowance_mm": 0.1, "finishing_mm": 0.2}
-        job["process"].update(cutting={"teeth": 2, "kc11_N_mm2": 700, "mc": 0.2, "side": "up"}, stock="region",
+        job["process"].update(cutting={"teeth": 2, "kc11_N_mm2": 700, "mc": 0.2, "kc11_source": "a cut", "side": "up"}, stock="region",
                               force_uncertainty_percent=30, force_direction_deg=20)
         job["pose"]["objective"] = {"name": "surface_error", "direction": "normal"}
         job["process"]["force_factors"] = {"up": 1.1, "down": 0.9, "slot": 1.2}
@@ -215,6 +218,15 @@ class Keys(InFolder):
         cell["arm"].update(serial="882134", deviations={
             "shifts_mm": [[0.1 * i, -0.05 * i, 0.2] for i in range(7)], "turns_mrad": [[0.1, 0.05 * i, -0.1] for i in range(7)],
             "uncertainty_mm": 0.1, "source": "drawn", "date": "2026-01-02"})
+        yield job, cell
+
+        job, cell = self.base()
+        job["compensation"] = {"deflection": "off", "deviations": True, "max_gear_mm": 1.5}
+        cell["arm"].update(serial="882134", deviations={
+            "shifts_mm": [[0.1, 0, 0]] * 7, "turns_mrad": [[0, 0.1, 0]] * 7, "source": "drawn", "date": "2026-01-02",
+            "gears": [{"joint": 2, "harmonic": 1, "amplitude_arcsec": 9.5, "phase_deg": 30.5}],
+            "couplings": [{"joint": 3, "follows": 2, "factor": 0.0001}],
+            "patterns": [{"shifts_mm": [[0.01, 0.02, 0.03]] * 7, "turns_mrad": [[0.01, 0.02, 0.03]] * 7, "factors": [0.00001]}]})
         yield job, cell
 
         job, cell = self.base()
@@ -279,7 +291,11 @@ class Keys(InFolder):
 
         (self.folder / "path.csv").write_text("x_mm,y_mm,z_mm,i,j,k\n-50,0,0,0,0,1\n50,0,0,0,0,1\n")
         shutil.copy(self.folder / "path.csv", self.folder / "copy_of_path.csv")
+        lines = "".join(f"0\nLINE\n8\n{layer}\n10\n-50\n20\n{y}\n30\n0\n11\n50\n21\n{y}\n31\n0\n" for layer, y in (("cut", 0), ("cut_2", 20)))
+        for name in ("lines.dxf", "copy_of_lines.dxf"):
+            (self.folder / name).write_text(f"0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n")
         for name, keys in (("curve", {"points_mm": [[-50, 0, 0], [50, 0, 0]], "project_along": [0, 0, -1]}),
+                           ("curve", {"dxf": {"file": "lines.dxf", "unit": "mm", "layers": ["cut"]}, "project_along": [0, 0, -1]}),
                            ("cam", {"file": "path.csv", "contact_distance_mm": 0.2})):
             job, cell = self.base()
             self.strategy(job, name, keys)

@@ -177,13 +177,8 @@ struct PlanResult {
   StiffnessOrigin stiffness_origin = StiffnessOrigin::kToolTip;
 };
 
-/// Serialisation for checkpoints and cluster; exact (CBOR, doubles bit for bit). Parse throws InputError
-/// naming `name`.
+/// The bytes of plan.cbor; exact (CBOR, doubles bit for bit). Parse throws InputError naming `name`.
 std::string Serialise(const PlanResult& result);
 PlanResult ParsePlanResult(std::string_view bytes, const std::string& name);
-std::string Serialise(const PassResult& result);
-PassResult ParsePassResult(std::string_view bytes, const std::string& name);
-std::string Serialise(const LinkMove& result);
-LinkMove ParseLinkMove(std::string_view bytes, const std::string& name);
 
 }  // namespace millpose

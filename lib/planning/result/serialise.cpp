@@ -180,49 +180,17 @@ struct Reader {
 // The leading field tells a file of ours from others and one version from the next.
 constexpr const char* kFormat = "millpose 8";
 
-/// The fields of a value behind the leading one.
-template <class T>
-void WriteTop(const T& value, Writer& writer) {
-  auto& fields = const_cast<T&>(value);
-  Counter counter;
-  Fields(counter, fields);
-  writer.to.Map(1 + counter.fields);
-  writer("format", std::string(kFormat));
-  Fields(writer, fields);
-}
-
-template <class T>
-std::string ToBytes(const T& value) {
-  std::string bytes;
-  Writer writer{bytes};
-  WriteTop(value, writer);
-  return bytes;
-}
-
-template <class T>
-T FromBytes(std::string_view bytes, const std::string& name) {
-  try {
-    CborReader from(bytes);
-    Reader reader{from, from.Map()};
-    std::string format;
-    reader("format", format);
-    if (format != kFormat) throw std::runtime_error("written by another version");
-    T value;
-    Fields(reader, value);
-    reader.End();
-    if (!from.AtEnd()) throw std::runtime_error("something follows its end");
-    return value;
-  } catch (const std::exception& error) {
-    throw InputError({name}, fmt::format("not a plan that this version wrote: {}", error.what()));
-  }
-}
-
 }  // namespace
 
 void WritePlan(const PlanResult& result, int threads, const ByteSink& sink) {
   std::string bytes;
   Writer writer{bytes, &sink, threads};
-  WriteTop(result, writer);
+  auto& fields = const_cast<PlanResult&>(result);
+  Counter counter;
+  Fields(counter, fields);
+  writer.to.Map(1 + counter.fields);
+  writer("format", std::string(kFormat));
+  Fields(writer, fields);
   writer.Flush();
 }
 
@@ -230,19 +198,21 @@ std::string Serialise(const PlanResult& result) {
   return BytesOf([&](const ByteSink& sink) { WritePlan(result, 1, sink); });
 }
 
-std::string Serialise(const PassResult& result) { return ToBytes(result); }
-std::string Serialise(const LinkMove& result) { return ToBytes(result); }
-
 PlanResult ParsePlanResult(std::string_view bytes, const std::string& name) {
-  return FromBytes<PlanResult>(bytes, name);
-}
-
-PassResult ParsePassResult(std::string_view bytes, const std::string& name) {
-  return FromBytes<PassResult>(bytes, name);
-}
-
-LinkMove ParseLinkMove(std::string_view bytes, const std::string& name) {
-  return FromBytes<LinkMove>(bytes, name);
+  try {
+    CborReader from(bytes);
+    Reader reader{from, from.Map()};
+    std::string format;
+    reader("format", format);
+    if (format != kFormat) throw std::runtime_error("written by another version");
+    PlanResult value;
+    Fields(reader, value);
+    reader.End();
+    if (!from.AtEnd()) throw std::runtime_error("something follows its end");
+    return value;
+  } catch (const std::exception& error) {
+    throw InputError({name}, fmt::format("not a plan that this version wrote: {}", error.what()));
+  }
 }
 
 }  // namespace millpose

@@ -2,6 +2,7 @@
 // Passes planned with lead and tilt as freedoms.
 #include <numeric>
 
+#include "base/value_bytes.hpp"
 #include "planning/pass/lean_courses.hpp"
 #include "planning/pass/nominal_plan.hpp"
 #include "tests/base/tier.hpp"
@@ -99,9 +100,9 @@ TEST(LeanPlan, ClosesRings) {
 TEST(LeanPlan, IsTheSameForAnyNumberOfThreads) {
   const PoseProblem problem = LeaningProblem();
   const Pass pass = Row(-60, 60, 13);
-  const std::string one = Serialise(Plan(problem, pass, Options(), 1));
-  EXPECT_EQ(Serialise(Plan(problem, pass, Options(), 2)), one);
-  EXPECT_EQ(Serialise(Plan(problem, pass, Options(), 4)), one);
+  const std::string one = HashOfValues(Plan(problem, pass, Options(), 1));
+  EXPECT_EQ(HashOfValues(Plan(problem, pass, Options(), 2)), one);
+  EXPECT_EQ(HashOfValues(Plan(problem, pass, Options(), 4)), one);
 }
 
 // The path's windows find valleys that the search of a point alone may miss.

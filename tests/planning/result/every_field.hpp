@@ -7,72 +7,12 @@
 #include <tuple>
 
 #include "base/random.hpp"
+#include "base/value_bytes.hpp"
 #include "planning/result/plan_result.hpp"
 
 namespace millpose::every_field {
 
-struct AnyField {
-  template <class T>
-  operator T() const;  // NOLINT(google-explicit-constructor): that is its purpose
-};
-
-template <class T, class... Given>
-consteval size_t Count() {
-  if constexpr (requires { T{Given{}..., AnyField{}}; })
-    return Count<T, Given..., AnyField>();
-  else
-    return sizeof...(Given);
-}
-
-template <class T>
-auto FieldsOf(T& value) {
-  constexpr size_t kCount = Count<std::remove_const_t<T>>();
-  static_assert(kCount >= 1 && kCount <= 36, "add a line below");
-#define MILLPOSE_FIELDS(count, ...)  \
-  if constexpr (kCount == (count)) { \
-    auto& [__VA_ARGS__] = value;     \
-    return std::tie(__VA_ARGS__);    \
-  }
-  // clang-format off
-  MILLPOSE_FIELDS(1, a)
-  MILLPOSE_FIELDS(2, a, b)
-  MILLPOSE_FIELDS(3, a, b, c)
-  MILLPOSE_FIELDS(4, a, b, c, d)
-  MILLPOSE_FIELDS(5, a, b, c, d, e)
-  MILLPOSE_FIELDS(6, a, b, c, d, e, f)
-  MILLPOSE_FIELDS(7, a, b, c, d, e, f, g)
-  MILLPOSE_FIELDS(8, a, b, c, d, e, f, g, h)
-  MILLPOSE_FIELDS(9, a, b, c, d, e, f, g, h, i)
-  MILLPOSE_FIELDS(10, a, b, c, d, e, f, g, h, i, j)
-  MILLPOSE_FIELDS(11, a, b, c, d, e, f, g, h, i, j, k)
-  MILLPOSE_FIELDS(12, a, b, c, d, e, f, g, h, i, j, k, l)
-  MILLPOSE_FIELDS(13, a, b, c, d, e, f, g, h, i, j, k, l, m)
-  MILLPOSE_FIELDS(14, a, b, c, d, e, f, g, h, i, j, k, l, m, n)
-  MILLPOSE_FIELDS(15, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o)
-  MILLPOSE_FIELDS(16, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p)
-  MILLPOSE_FIELDS(17, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q)
-  MILLPOSE_FIELDS(18, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r)
-  MILLPOSE_FIELDS(19, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s)
-  MILLPOSE_FIELDS(20, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t)
-  MILLPOSE_FIELDS(21, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u)
-  MILLPOSE_FIELDS(22, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v)
-  MILLPOSE_FIELDS(23, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w)
-  MILLPOSE_FIELDS(24, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x)
-  MILLPOSE_FIELDS(25, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y)
-  MILLPOSE_FIELDS(26, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z)
-  MILLPOSE_FIELDS(27, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa)
-  MILLPOSE_FIELDS(28, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab)
-  MILLPOSE_FIELDS(29, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab, ac)
-  MILLPOSE_FIELDS(30, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab, ac, ad)
-  MILLPOSE_FIELDS(31, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab, ac, ad, ae)
-  MILLPOSE_FIELDS(32, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab, ac, ad, ae, af)
-  MILLPOSE_FIELDS(33, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab, ac, ad, ae, af, ag)
-  MILLPOSE_FIELDS(34, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab, ac, ad, ae, af, ag, ah)
-  MILLPOSE_FIELDS(35, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai)
-  MILLPOSE_FIELDS(36, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai, aj)
-  // clang-format on
-#undef MILLPOSE_FIELDS
-}
+using value_bytes_detail::FieldsOf;
 
 // Numbers first, then what holds others.
 inline void Fill(std::string& text, RandomStream& random) {

@@ -6,6 +6,7 @@
 #include "run/pipeline/stages/lay_path.hpp"
 #include "store/plan_key.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
+#include "tests/planning/result/every_field.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 
 namespace millpose {
@@ -52,6 +53,16 @@ TEST(ValueReader, ReadsBackWhatWasWritten) {
     EXPECT_FALSE(ValueReader(std::string_view(bytes).substr(0, cut)).Read(damaged)) << cut;
   }
   EXPECT_FALSE(ValueReader(bytes + "x").Read(back));
+}
+
+TEST(ValueReader, NothingOfAPlanIsLost) {
+  RandomStream random(1, 0);
+  PlanResult plan, back;
+  every_field::Fill(plan, random);
+  ASSERT_TRUE(ValueReader(ValueBytes().Add(plan.passes[1]).bytes()).Read(back.passes.emplace_back()));
+  EXPECT_TRUE(every_field::Same(back.passes[0], plan.passes[1]));
+  ASSERT_TRUE(ValueReader(ValueBytes().Add(plan.gaps[1]).bytes()).Read(back.gaps.emplace_back()));
+  EXPECT_TRUE(every_field::Same(back.gaps[0], plan.gaps[1]));
 }
 
 TEST(ValueReader, KnowsWhatStagesReturn) {

@@ -71,7 +71,7 @@ TEST_F(OutputFolderTest, OneWritesResultsManyAddCheckpoints) {
 
 TEST_F(OutputFolderTest, WhatAKilledRunLeftHalfWrittenIsRemoved) {
   OutputFolder(base_ / "out", FolderUse::kResults).WriteCheckpoint("key", "content");
-  const fs::path half = base_ / "out" / "checkpoints" / OfEnded("other.cbor");
+  const fs::path half = base_ / "out" / "checkpoints" / OfEnded("other.kept");
   WriteFileAtomically(half, "con");
   EXPECT_EQ(OutputFolder(base_ / "out", FolderUse::kResults).ReadCheckpoint("key"), "content");
   EXPECT_FALSE(fs::exists(half));
@@ -330,9 +330,9 @@ TEST_F(OutputFolderTest, DamagedCheckpointsAndThoseOfOthersAreNotUsed) {
   EXPECT_FALSE(folder.ReadCheckpoint("key"));
   folder.WriteCheckpoint("key", "content");
   EXPECT_EQ(folder.ReadCheckpoint("key"), "content");
-  const fs::path file = base_ / "out" / "checkpoints" / "key.cbor";
+  const fs::path file = base_ / "out" / "checkpoints" / "key.kept";
   std::string bytes = ReadFile(file);
-  WriteFileAtomically(base_ / "out" / "checkpoints" / "other.cbor", bytes);
+  WriteFileAtomically(base_ / "out" / "checkpoints" / "other.kept", bytes);
   EXPECT_FALSE(folder.ReadCheckpoint("other"));
   for (const size_t at : {size_t{0}, bytes.size() - 1}) {
     std::string damaged = bytes;

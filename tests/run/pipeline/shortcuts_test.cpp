@@ -31,16 +31,15 @@ Json PlanIn(const World& world, int threads) {
   ChooseRevolutions(passes, {prepared.cell.home, bounds.lower, bounds.upper, false});
   const PlannedLinkMoves gaps =
       PlanAllLinkMoves(stations, passes, MakeLinkMoveOptions(inputs.job), NoCheckpoints(), execution);
-  Json plan;
-  for (PassResult& pass : passes) {
-    pass.pairs_checked = pass.pairs_saved = 0;
-    plan.push_back(Json::from_cbor(Serialise(pass)));
-  }
-  for (LinkMove gap : gaps.gaps) {
-    gap.clearance = std::round(1e6 * gap.clearance);
-    plan.push_back(Json::from_cbor(Serialise(gap)));
-  }
-  return plan;
+  PlanResult plan;
+  plan.passes = std::move(passes);
+  plan.gaps = gaps.gaps;
+  for (PassResult& pass : plan.passes) pass.pairs_checked = pass.pairs_saved = 0;
+  for (LinkMove& gap : plan.gaps) gap.clearance = std::round(1e6 * gap.clearance);
+  const Json whole = Json::from_cbor(Serialise(plan));
+  Json parts = whole.at("passes");
+  for (const Json& gap : whole.at("gaps")) parts.push_back(gap);
+  return parts;
 }
 
 // A post where the elbow would be, and a clamp beside the part.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where the external axes stand for each pass: chosen from the job's positions, and left again for another
 // where a pass is planned better there.
+#include "base/value_bytes.hpp"
 #include "job/assemble.hpp"
 #include "job/external_positions.hpp"
 #include "planning/result/pass_value.hpp"
@@ -69,7 +70,7 @@ TEST(ChooseStations, WhatIsChosenIsAsGoodAsWhatPlanningEveryPositionFinds) {
     ++(worst ? lossless : lossy);
     if (worst) best = std::min(best, *worst);
     if (there.prepared.external == chosen.prepared.external) {
-      EXPECT_EQ(Serialise(there.plan.passes[0]), Serialise(chosen.plan.passes[0]));
+      EXPECT_EQ(HashOfValues(there.plan.passes[0]), HashOfValues(chosen.plan.passes[0]));
     }
   }
   EXPECT_GE(lossless, 2u);
@@ -156,13 +157,13 @@ class Elsewhere {
 TEST(PlanOtherStations, APassMovesToTheStationThatServesItBest) {
   Elsewhere far(-2000);  // out of the pad's reach
   ASSERT_GT(CountSkipped(far.job.plan.passes[0]), 0u);
-  const std::string other = Serialise(far.job.plan.passes[1]);
+  const std::string other = HashOfValues(far.job.plan.passes[1]);
   far.Try({{-1900}, {1500}, {500}});
   const PassResult& moved = far.job.plan.passes[0];
   EXPECT_EQ(CountSkipped(moved), 0u);
   EXPECT_EQ(moved.external, ExternalPosition{1500});
   EXPECT_EQ(far.job.prepared.external[0], StandingAt({1500}));
-  EXPECT_EQ(Serialise(far.job.plan.passes[1]), other) << "nothing else was offered";
+  EXPECT_EQ(HashOfValues(far.job.plan.passes[1]), other) << "nothing else was offered";
   // The part stands where it stood, the base elsewhere: points and path are those of the new station.
   const Toolpath& toolpath = far.job.prepared.toolpath;
   for (const PlannedPoint& point : moved.points)
@@ -173,12 +174,12 @@ TEST(PlanOtherStations, APassMovesToTheStationThatServesItBest) {
 
 TEST(PlanOtherStations, WhatIsNoBetterOrNotAskedForStays) {
   Elsewhere far(-2000);
-  const std::string before = Serialise(far.job.plan.passes[0]);
+  const std::string before = HashOfValues(far.job.plan.passes[0]);
   far.Try({{1500}}, false);
   EXPECT_EQ(far.kept.writes, 0);
   far.Try({{-1900}});  // hardly nearer
   EXPECT_EQ(far.kept.writes, 1) << "it was tried";
-  EXPECT_EQ(Serialise(far.job.plan.passes[0]), before);
+  EXPECT_EQ(HashOfValues(far.job.plan.passes[0]), before);
   EXPECT_EQ(far.job.prepared.external[0], StandingAt({-2000}));
 }
 
