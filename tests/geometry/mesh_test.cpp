@@ -2,6 +2,7 @@
 #include "geometry/mesh/mesh.hpp"
 
 #include "base/random.hpp"
+#include "geometry/mesh/edges.hpp"
 #include "geometry/mesh/triangle.hpp"
 #include "tests/geometry/shapes.hpp"
 
@@ -71,6 +72,27 @@ TEST(Mesh, RefusesWhatIsNoManifold) {
   Triangles mesh = BoxShape({0, 0, 0}, {1, 1, 1});
   Flip(mesh, 0);
   EXPECT_THROW(Mesh{mesh}, std::logic_error);
+}
+
+// Faces as they come, with corners that fall together and vertices that no face has.
+TEST(SortedSides, StandByEdgeThenByNumber) {
+  RandomStream random(5, 0);
+  for (const int vertices : {1, 2, 7, 400}) {
+    Triangles mesh;
+    mesh.vertices.resize(static_cast<size_t>(vertices), Eigen::Vector3d::Zero());
+    for (int f = 0; f < 500; ++f)
+      mesh.faces.push_back({random.Below(vertices), random.Below(vertices), random.Below(vertices)});
+    std::vector<std::tuple<int, int, Side>> expected, sorted;
+    for (size_t f = 0; f < mesh.faces.size(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        const int a = mesh.faces[f][k], b = mesh.faces[f][(k + 1) % 3];
+        expected.emplace_back(std::min(a, b), std::max(a, b), static_cast<Side>(3 * f + k));
+      }
+    std::ranges::sort(expected);
+    for (const EdgeSide& side : SortedSides(mesh)) sorted.emplace_back(side.low, side.high, side.side);
+    EXPECT_EQ(sorted, expected) << vertices;
+  }
+  EXPECT_TRUE(SortedSides({}).empty());
 }
 
 }  // namespace
