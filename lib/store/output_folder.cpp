@@ -21,6 +21,16 @@ std::string FileOf(const std::string& name, Kept which, const char* ending) {
   return name + (which == Kept::kEarlier ? ".earlier" : "") + ending;
 }
 
+// Another run that adds checkpoints may have put the file aside in the meantime, or have written it anew.
+void PutAside(const Folder& folder, const std::string& file, const std::string& as) {
+  const std::string before = folder.Identity(file);
+  try {
+    folder.Move(file, folder, as);
+  } catch (const InputError&) {
+    if (!before.empty() && folder.Identity(file) == before) throw;
+  }
+}
+
 bool IsMarked(const Folder& folder) { return folder.KindOf(kMark) == Folder::Kind::kFile; }
 
 // What a run that has ended had not finished writing. Of other machines only one who is alone knows; of this
@@ -177,7 +187,7 @@ void OutputFolder::WriteCached(const std::string& file, const std::string& earli
   const Folder folder = folder_->MakeBelow(checkpoints_);
   const Folder::Kind kind = folder.KindOf(file);
   if (kind == Folder::Kind::kFolder) folder.RemoveAll(file);  // no checkpoint of ours
-  if (kind == Folder::Kind::kFile) folder.Move(file, folder, earlier);
+  if (kind == Folder::Kind::kFile) PutAside(folder, file, earlier);
   const std::string packed = Packed(bytes);
   folder.Write(file, [&](const ByteSink& sink) {
     sink(HashUnder(key, packed));

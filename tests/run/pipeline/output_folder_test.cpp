@@ -4,6 +4,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <mutex>
+#include <thread>
+
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/hash.hpp"
@@ -323,6 +326,27 @@ TEST_F(OutputFolderTest, WhatACheckpointReplacesIsKeptBesideIt) {
   EXPECT_FALSE(FolderCheckpoints(folder, false).Read("key", [](const std::string&) { return true; }));
   folder.RemoveStages();
   EXPECT_FALSE(kept.ReadStage("surface", "second", [](const std::string&) { return true; }));
+}
+
+// Shares of a job lay the same path at the same time.
+TEST_F(OutputFolderTest, RunsThatWriteOneStageAtOnceDoNotMeet) {
+  const OutputFolder one(base_ / "out", FolderUse::kCheckpoints),
+      other(base_ / "out", FolderUse::kCheckpoints);
+  std::string refused;
+  std::mutex mutex;
+  const auto write = [&](const OutputFolder& folder) {
+    for (int i = 0; i < 300; ++i) try {
+        folder.WriteStage("surface", "key", "a stage");
+      } catch (const InputError& error) {
+        const std::lock_guard lock(mutex);
+        refused = error.what();
+      }
+  };
+  {
+    const std::jthread first([&] { write(one); }), second([&] { write(other); });
+  }
+  EXPECT_EQ(refused, "");
+  EXPECT_EQ(one.ReadStage("surface", "key"), "a stage");
 }
 
 TEST_F(OutputFolderTest, DamagedCheckpointsAndThoseOfOthersAreNotUsed) {
