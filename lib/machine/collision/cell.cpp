@@ -40,7 +40,7 @@ Joints MostTurnOf(const Cell& cell, const Joints& turn) {
   return cell.deviations ? cell.deviations->law.MostTurn(turn) : turn;
 }
 
-std::array<Pose, 7> FramesOf(const Cell& cell, const Joints& q) {
+LinkPoses FramesOf(const Cell& cell, const Joints& q) {
   return cell.deviations ? TrueLinkFrames(cell.arm, *cell.deviations, q) : LinkFrames(cell.arm, q);
 }
 

@@ -96,7 +96,7 @@ Cell AsItIs(Cell cell, const ArmDeviations& deviations);
 
 /// The frames that bodies hang on, in B: LinkFrames(), or TrueLinkFrames() where the arm is taken as it is;
 /// its controller has the joints at `q`.
-std::array<Pose, 7> FramesOf(const Cell& cell, const Joints& q);
+LinkPoses FramesOf(const Cell& cell, const Joints& q);
 /// By how much its joints turn at most while the controller turns them by at most `turn`, rad, ≥ 0.
 Joints MostTurnOf(const Cell& cell, const Joints& turn);
 /// The tool in the last of them.

@@ -21,7 +21,7 @@ constexpr double kNearby = 15;
 struct Checker::Impl {
   std::shared_ptr<const World::Impl> world;
   std::vector<Placed> placed;  ///< the bodies at the pose last asked for, or some of them
-  std::array<Pose, 7> X_WL;    ///< the links at that pose
+  LinkPoses X_WL;              ///< the links at that pose
   CheckCounts counts;
 
   const double share, reserve;  ///< of the clearances; mm less than that

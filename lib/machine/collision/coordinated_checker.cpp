@@ -25,7 +25,7 @@ struct CoordinatedChecker::Impl {
   Impl(const World& at_zero, double share, double short_by)
       : world(at_zero), mechanism(at_zero.cell().external_axes), clearance_share(share), reserve(short_by) {
     const Cell& cell = world.cell();
-    const std::array<Pose, 7> links = FramesOf(cell, Joints::Zero());
+    const LinkPoses links = FramesOf(cell, Joints::Zero());
     double flange = 0;  // by the links' lengths, which no joint changes
     for (size_t i = 1; i < links.size(); ++i)
       flange += (links[i].translation() - links[i - 1].translation()).norm();

@@ -3,7 +3,7 @@
 
 namespace millpose {
 
-JointAxes AxesOf(const std::array<Pose, 7>& X_WL) {
+JointAxes AxesOf(const LinkPoses& X_WL) {
   JointAxes axes;
   // Each axis as a column of the frame after its joint, which turning about it leaves in place.
   constexpr std::array<int, 6> kColumn{2, 1, 1, 0, 1, 2};

@@ -15,7 +15,7 @@ struct JointAxes {
 };
 
 /// Axes of joints 1..6 from the link frames in W (kinematics.hpp, LinkFrames, times X_WB).
-JointAxes AxesOf(const std::array<Pose, 7>& X_WL);
+JointAxes AxesOf(const LinkPoses& X_WL);
 
 /// Bounds of how far a rigid body moves when each joint turns by at most `turn` (rad, ≥ 0) from a pose.
 /// Entry j (0..6): bound of the displacement, mm, of any point of the body's box as seen from link j; entries

@@ -111,7 +111,7 @@ bool World::FarFrom(const std::vector<std::string>& still, const Queries& looks)
       turn[joint] = 0.5 * (static_cast<double>(box.high[i]) - box.low[i]);
     }
     turn = MostTurnOf(impl_->cell, turn);
-    std::array<Pose, 7> X_WL = FramesOf(impl_->cell, middle);
+    LinkPoses X_WL = FramesOf(impl_->cell, middle);
     for (Pose& X : X_WL) X = Compose(impl_->cell.X_WB, X);
     const JointAxes axes = AxesOf(X_WL);
     for (const WorldBody& body : impl_->bodies) {

@@ -29,7 +29,7 @@ struct StationPath::Impl {
 
   Impl(std::shared_ptr<const World::Impl> of, const Joints& q, double allowed)
       : world(std::move(of)), mechanism(world->cell.external_axes), resolution(allowed) {
-    const std::array<Pose, 7> frames = FramesOf(world->cell, q);
+    const LinkPoses frames = FramesOf(world->cell, q);
     for (size_t i = 0; i < world->bodies.size(); ++i) {
       const WorldBody& body = world->bodies[i];
       carrier.push_back(CarrierOfBody(i));

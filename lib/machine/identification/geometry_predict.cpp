@@ -48,7 +48,7 @@ JointCoupling& GeometryFit::Looked(size_t number) {
 
 GeometryFit::Pointed GeometryFit::PointAt(const Joints& q, const Vector3d& p_F) const {
   constexpr Eigen::Index kOwn[] = {2, 1, 1, 0, 1, 2};  // the joint's axis, of the frame that it turns
-  const std::array<Pose, 7> frames = TrueLinkFrames(arm_, deviations_, q);
+  const LinkPoses frames = TrueLinkFrames(arm_, deviations_, q);
   const Pose X_BF = frames[6] * DeviationOf(deviations_, 6);
   Pointed point{X_BF * p_F, X_BF.linear(), {}, {}};
   point.by_couplings.resize(3, static_cast<Eigen::Index>(options_.couplings.size()));

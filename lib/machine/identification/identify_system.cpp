@@ -29,7 +29,7 @@ MatrixXd Scaled(const MatrixXd& L, const std::vector<Eigen::Index>& keep) {
 struct Lever {
   Vector3d moves, turns;
 };
-Lever LeverOf(const std::array<Pose, 7>& frames, const Give& give, const Vector3d& point) {
+Lever LeverOf(const LinkPoses& frames, const Give& give, const Vector3d& point) {
   const Pose& frame = frames[static_cast<size_t>(give.link)];
   const Vector3d axis = frame.linear().col(give.axis);
   if (give.kind == Give::Kind::kMoves) return {axis, Vector3d::Zero()};
@@ -144,7 +144,7 @@ System MakeSystem(const Arm& arm, const std::vector<LoadCase>& cases, const Iden
       fill(j, torques[j] * measured.col(j).head<3>(), torques[j] * measured.col(j).tail<3>());
     system.x.segment<3>(row) = load.displacement / options.displacement_deviation;
     if (load.rotation) system.x.segment<3>(row + 3) = *load.rotation / options.rotation_deviation;
-    const std::array<Pose, 7> frames = LinkFrames(arm, load.q);
+    const LinkPoses frames = LinkFrames(arm, load.q);
     for (size_t k = 0; k < options.beside.size(); ++k) {
       const Give& give = options.beside[k];
       const auto column = static_cast<Eigen::Index>(6 + k);

@@ -7,9 +7,9 @@ namespace millpose {
 namespace {
 
 /// TrueLinkFrames() where the arm's own joints are at `angles`.
-std::array<Pose, 7> FramesWith(const Arm& arm, const ArmDeviations& deviations, const Joints& angles) {
-  const std::array<Pose, 7> nominal = LinkFrames(arm, angles);
-  std::array<Pose, 7> frames = nominal;
+LinkPoses FramesWith(const Arm& arm, const ArmDeviations& deviations, const Joints& angles) {
+  const LinkPoses nominal = LinkFrames(arm, angles);
+  LinkPoses frames = nominal;
   for (size_t i = 1; i < frames.size(); ++i)
     frames[i] = frames[i - 1] * DeviationOf(deviations, i - 1) *
                 (nominal[i - 1].inverse(Eigen::Isometry) * nominal[i]);
@@ -49,7 +49,7 @@ Pose DeviationOf(const ArmDeviations& deviations, size_t frame) {
   return moved;
 }
 
-std::array<Pose, 7> TrueLinkFrames(const Arm& arm, const ArmDeviations& deviations, const Joints& q) {
+LinkPoses TrueLinkFrames(const Arm& arm, const ArmDeviations& deviations, const Joints& q) {
   return FramesWith(arm, deviations, deviations.law.At(q));
 }
 

@@ -28,7 +28,7 @@ struct ArmDeviations {
 /// LinkFrames() of the arm as it is where its controller has the joints at `q`, each without its own
 /// deviation: like there, joint i turns about an axis of frame i. What hangs on frame i hangs on
 /// DeviationOf(deviations, i) in it.
-std::array<Pose, 7> TrueLinkFrames(const Arm& arm, const ArmDeviations& deviations, const Joints& q);
+LinkPoses TrueLinkFrames(const Arm& arm, const ArmDeviations& deviations, const Joints& q);
 
 /// D_i = (turn, shift) of frame i.
 Pose DeviationOf(const ArmDeviations& deviations, size_t frame);

@@ -132,7 +132,7 @@ struct Chain {
 
 }  // namespace
 
-std::array<Pose, 7> LinkFrames(const Arm& arm, const Joints& A) {
+LinkPoses LinkFrames(const Arm& arm, const Joints& A) {
   const Chain chain = ChainOf(arm, A);
   return {Pose::Identity(),
           PoseOf(chain.R1, chain.top),
@@ -149,7 +149,10 @@ Pose ForwardFlange(const Arm& arm, const Joints& A) {
 }
 
 Matrix6 Jacobian(const Arm& arm, const Joints& q, const Vector3d& p_FT) {
-  const std::array<Pose, 7> frames = LinkFrames(arm, q);
+  return Jacobian(arm, LinkFrames(arm, q), p_FT);
+}
+
+Matrix6 Jacobian(const Arm& arm, const LinkPoses& frames, const Vector3d& p_FT) {
   const Vector3d tip = frames[6] * p_FT;
   // The axis a joint turns about is a fixed axis of the frame after it: z, y, y, x, y, and F's z for the
   // last.

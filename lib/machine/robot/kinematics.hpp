@@ -19,11 +19,14 @@ double ArmLength(const Arm& arm);
 /// Frames in B that the bodies of a cell hang on: 0 base, 1..6 after joint i (1 at the shoulder column's top,
 /// 2 at axis 2, 3 at axis 3, 4 at axis 4, 5 at the wrist centre, 6 = flange F). A joint's axis is z, y, y, x,
 /// y, z of the frame after it, whatever the family.
-std::array<Pose, 7> LinkFrames(const Arm& arm, const Joints& q);
+using LinkPoses = std::array<Pose, 7>;
+LinkPoses LinkFrames(const Arm& arm, const Joints& q);
 
 /// 6×6 geometric Jacobian in B at the tool tip `p_FT` (mm, in F): rows 0..2 mm/rad, rows 3..5 rad/rad; column
 /// i is [z_i × (p_tip − p_i); z_i] with z_i including the axis sign (Chen 2021 eq. 1, 2).
 Matrix6 Jacobian(const Arm& arm, const Joints& q, const Eigen::Vector3d& p_FT);
+/// The same where the LinkFrames() of the pose are known.
+Matrix6 Jacobian(const Arm& arm, const LinkPoses& frames, const Eigen::Vector3d& p_FT);
 
 enum class ReachStatus : uint8_t {
   kReached,      ///< the pose has solutions

@@ -50,7 +50,11 @@ Matrix6 ComplianceAt(const SeriesCompliance& element, const Vector3d& point) {
 
 Matrix6 SeriesComplianceAt(const Arm& arm, const Joints& q, const Vector3d& p_FT,
                            const std::vector<SeriesCompliance>& elements) {
-  const std::array<Pose, 7> frames = LinkFrames(arm, q);
+  return SeriesComplianceAt(LinkFrames(arm, q), p_FT, elements);
+}
+
+Matrix6 SeriesComplianceAt(const LinkPoses& frames, const Vector3d& p_FT,
+                           const std::vector<SeriesCompliance>& elements) {
   const Vector3d point = frames[6] * p_FT;
   Matrix6 sum = Matrix6::Zero();
   for (SeriesCompliance element : elements) {
@@ -63,12 +67,17 @@ Matrix6 SeriesComplianceAt(const Arm& arm, const Joints& q, const Vector3d& p_FT
 
 Joints GravityTorques(const Arm& arm, const Joints& q, const std::vector<LinkMass>& masses,
                       const Counterbalance& counterbalance, const Vector3d& gravity) {
-  const std::array<Pose, 7> frames = LinkFrames(arm, q);
+  return GravityTorques(arm, q, LinkFrames(arm, q), masses, counterbalance, gravity);
+}
+
+Joints GravityTorques(const Arm& arm, const Joints& q, const LinkPoses& frames,
+                      const std::vector<LinkMass>& masses, const Counterbalance& counterbalance,
+                      const Vector3d& gravity) {
   Joints torques = Joints::Zero();
   for (const LinkMass& body : masses) {
     assert(body.link >= 0 && body.link <= 6);
     const Vector3d in_flange = frames[6].inverse() * (frames[body.link] * body.centre);
-    const Matrix6 J = Jacobian(arm, q, in_flange);
+    const Matrix6 J = Jacobian(arm, frames, in_flange);
     // Only the joints inwards of the link carry it.
     torques.head(body.link) +=
         J.topRows<3>().leftCols(body.link).transpose() * (kNewton * body.mass * gravity);

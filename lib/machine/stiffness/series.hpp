@@ -30,6 +30,9 @@ std::vector<SeriesCompliance> ExternalCompliances(const Mechanism& mechanism,
 /// wrenches are transported alike.
 Matrix6 SeriesComplianceAt(const Arm& arm, const Joints& q, const Eigen::Vector3d& p_FT,
                            const std::vector<SeriesCompliance>& elements);
+/// The same where the LinkFrames() of the pose are known.
+Matrix6 SeriesComplianceAt(const LinkPoses& frames, const Eigen::Vector3d& p_FT,
+                           const std::vector<SeriesCompliance>& elements);
 
 /// The compliance of one element at `point`, both in the frame of the link that it hangs on: Ad·C·Adᵀ as
 /// above.
@@ -54,6 +57,10 @@ struct Counterbalance {
 /// its positive sense. `gravity` is the acceleration in B, mm/s² (so that kg·mm/s² = 1e-3 N).
 Joints GravityTorques(const Arm& arm, const Joints& q, const std::vector<LinkMass>& masses,
                       const Counterbalance& counterbalance, const Eigen::Vector3d& gravity);
+/// The same where the LinkFrames() of the pose are known.
+Joints GravityTorques(const Arm& arm, const Joints& q, const LinkPoses& frames,
+                      const std::vector<LinkMass>& masses, const Counterbalance& counterbalance,
+                      const Eigen::Vector3d& gravity);
 
 /// How far weight moves the point `p_FT` (mm, in B) in pose `q`, beyond what a controller hides that was
 /// calibrated in pose `reference`: J(q)·(τ(q) − τ(reference))/k.

@@ -5,24 +5,33 @@
 
 namespace millpose {
 
-FacePlace FacePlaceAt(const PoseProblem& problem, const FaceModel& model, const MillingPoint& point,
-                      const Joints& q, const ExternalPosition& external) {
+FaceAtPoint::FaceAtPoint(const PoseProblem& problem, const FaceModel& model, const MillingPoint& point,
+                         ExternalPosition external)
+    : problem_(problem),
+      model_(model),
+      external_(std::move(external)),
+      external_levers_(ExternalLevers(Mechanism(model.external_axes), point, external_)),
+      normal_(problem.X_WB.linear().transpose() * point.normal),
+      force_(problem.X_WB.linear().transpose() * point.engagement.force),
+      cone_(force_, model.force),
+      counts_(point.kind == PointKind::kCut && point.engagement.side != CutSide::kAir) {}
+
+FacePlace FaceAtPoint::At(const Joints& q) const {
+  const Arm& arm = problem_.arm;
+  const Eigen::Vector3d tip = problem_.X_FT.translation();
+  const LinkPoses frames = LinkFrames(arm, q);
+  const Matrix6 J = Jacobian(arm, frames, tip);
   FacePlace place;
-  place.gears = GearsAt(model.gears, {problem.arm, problem.X_FT, Mechanism(model.external_axes)},
-                        {&point, q, problem.X_WB, external});
-  place.counts = point.kind == PointKind::kCut && point.engagement.side != CutSide::kAir;
-  if (point.engagement.force.isZero()) return place;
-  const Eigen::Matrix3d R_BW = problem.X_WB.linear().transpose();
-  const Eigen::Vector3d normal = R_BW * point.normal;
-  const Eigen::Vector3d origin = problem.origin == StiffnessOrigin::kToolTip
-                                     ? Eigen::Vector3d(problem.X_FT.translation())
-                                     : Eigen::Vector3d::Zero();
-  Matrix6 C = Compliance(Jacobian(problem.arm, q, origin), problem.arm.stiffness);
-  if (!problem.compliances.empty()) C += SeriesComplianceAt(problem.arm, q, origin, problem.compliances);
-  const Eigen::Vector3d g = C.topLeftCorner<3, 3>() * normal;
-  const ForceCone cone(R_BW * point.engagement.force, model.force);
-  place.high = cone.Largest(g);
-  place.low = -cone.Largest(-g);
+  place.gears = GearsAt(model_.gears, arm, {q, frames, J, normal_, force_, external_, external_levers_});
+  place.counts = counts_;
+  if (force_.isZero()) return place;
+  const bool at_tip = problem_.origin == StiffnessOrigin::kToolTip;
+  const Eigen::Vector3d origin = at_tip ? tip : Eigen::Vector3d::Zero();
+  Matrix6 C = Compliance(at_tip ? J : Jacobian(arm, frames, origin), arm.stiffness);
+  if (!problem_.compliances.empty()) C += SeriesComplianceAt(frames, origin, problem_.compliances);
+  const Eigen::Vector3d g = C.topLeftCorner<3, 3>() * normal_;
+  place.high = cone_.Largest(g);
+  place.low = -cone_.Largest(-g);
   return place;
 }
 

@@ -25,9 +25,25 @@ struct FaceModel {
   std::vector<ExternalAxis> external_axes;
 };
 
-/// The place of the pose `q` at a milling point (in W); `problem` with the external axes at `external`.
-FacePlace FacePlaceAt(const PoseProblem& problem, const FaceModel& model, const MillingPoint& point,
-                      const Joints& q, const ExternalPosition& external);
+/// Makes the places of poses at one milling point (in W). What is the same in all of them is worked out once.
+class FaceAtPoint {
+ public:
+  /// `problem`: with the external axes at `external`; it and the model are kept by reference.
+  FaceAtPoint(const PoseProblem& problem, const FaceModel& model, const MillingPoint& point,
+              ExternalPosition external);
+
+  /// The place where the arm stands at `q`, rad.
+  FacePlace At(const Joints& q) const;
+
+ private:
+  const PoseProblem& problem_;
+  const FaceModel& model_;
+  ExternalPosition external_;
+  std::vector<double> external_levers_;
+  Eigen::Vector3d normal_, force_;  ///< in B
+  ForceCone cone_;
+  bool counts_;
+};
 
 /// The largest displacement where lost motion gives `lost` of it.
 inline double LargestWith(const FacePlace& place, double lost) {

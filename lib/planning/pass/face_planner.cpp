@@ -170,8 +170,8 @@ std::vector<FaceChoiceFigures> FacesOf(const Stations& given, const GearModel& g
   for (const Segment& piece : pass.pieces) {
     std::vector<FacePlace> places;
     for (auto t = static_cast<size_t>(piece.first); t <= static_cast<size_t>(piece.last); ++t)
-      places.push_back(
-          FacePlaceAt(in.At(t).problem, model, pass.points[t].point, pass.points[t].q, ExternalAt(pass, t)));
+      places.push_back(FaceAtPoint(in.At(t).problem, model, pass.points[t].point, ExternalAt(pass, t))
+                           .At(pass.points[t].q));
     faces.push_back(FiguresOf(gears.lost, std::move(places), piece.closed));
   }
   return faces;

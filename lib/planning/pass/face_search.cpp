@@ -41,19 +41,31 @@ bool FaceSearch::Better(const FaceChoiceFigures& a, const FaceChoiceFigures& b) 
 
 std::optional<FaceCandidate> FaceSearch::AtFixed(const FixedPose& at) const {
   std::vector<PathNode> path;
+  for (const FlankNode* node : NodesAt(at)) path.push_back(NodeOf(*node));
+  return path.empty() ? std::nullopt : segment_.Join(std::move(path));
+}
+
+/// The nodes of all layers there; empty where one has none.
+std::vector<const FlankNode*> FaceSearch::NodesAt(const FixedPose& at) const {
+  std::vector<const FlankNode*> nodes;
   for (const std::vector<FlankNode>& layer : layers_) {
-    const FlankNode* same = NodeIn(layer, at);
-    if (same == nullptr) return std::nullopt;
-    path.push_back(NodeOf(*same));
+    nodes.push_back(NodeIn(layer, at));
+    if (nodes.back() == nullptr) return {};
   }
-  return segment_.Join(std::move(path));
+  return nodes;
 }
 
 std::vector<FaceSearch::Fixed> FaceSearch::AllFixed() const {
   std::vector<Fixed> all;
   for (const FlankNode& node : layers_[0]) {
     const FixedPose at{node.place, node.branch};
-    if (const std::optional<FaceCandidate> candidate = AtFixed(at)) all.push_back({at, candidate->figures});
+    const std::vector<const FlankNode*> nodes = NodesAt(at);
+    if (nodes.empty()) continue;
+    std::vector<PathNode> path;
+    std::vector<FacePlace> faces;
+    for (const FlankNode* of : nodes) path.push_back(NodeOf(*of)), faces.push_back(of->face);
+    if (const auto figures = segment_.FiguresJoined(std::move(path), std::move(faces)))
+      all.push_back({at, *figures});
   }
   return all;
 }

@@ -18,7 +18,7 @@ class FaceSearch {
   /// Puts in place of `best` what is better and free; true when something is.
   bool Improve(std::pair<FaceWay, FaceCandidate>& best);
 
-  /// A fixed rotation that serves but for interference.
+  /// A fixed rotation that serves but for interference; the figures of AtFixed() up to rounding.
   struct Fixed {
     FixedPose at;
     FaceChoiceFigures figures;
@@ -28,6 +28,7 @@ class FaceSearch {
   std::optional<FaceCandidate> AtFixed(const FixedPose& at) const;
 
  private:
+  std::vector<const FlankNode*> NodesAt(const FixedPose& at) const;
   bool Better(const FaceChoiceFigures& a, const FaceChoiceFigures& b) const;
   /// The best fixed rotation that is better than `than` and free, if one is.
   std::optional<FaceCandidate> BestFixed(const FaceChoiceFigures& than);

@@ -68,6 +68,7 @@ FaceSegment::FaceSegment(const Stations& stations, const PassResult& pass, const
   std::vector<MillingPoint> on_part;
   for (size_t t = 0; t < points_.size(); ++t) {
     scorers_.emplace_back(ProblemAt(t), points_[t], pass.rotation_reference);
+    faces_.emplace_back(ProblemAt(t), model_, points_[t], ExternalAt(pass, first_ + t));
     on_part.push_back(in_.along.empty() ? points_[t] : OnPart(in_.along[first_ + t], points_[t]));
   }
   law_ = BendLaw(checks_, scorers_, options.path.max_deviation);
@@ -92,19 +93,15 @@ FaceCandidate FaceSegment::AsPlanned() const {
   return planned;
 }
 
-FacePlace FaceSegment::PlaceAt(size_t t, const Joints& q) const {
-  return FacePlaceAt(ProblemAt(t), model_, points_[t], q, ExternalAt(pass_, first_ + t));
-}
-
 FaceChoiceFigures FaceSegment::Figures(std::span<const PathNode> path, size_t* worst_at) const {
   std::vector<FacePlace> places;
-  for (size_t t = 0; t < path.size(); ++t) places.push_back(PlaceAt(t, path[t].q));
+  for (size_t t = 0; t < path.size(); ++t) places.push_back(faces_[t].At(path[t].q));
   return FiguresOf(options_.gears.lost, std::move(places), closed(), worst_at);
 }
 
 FlankNode FaceSegment::NodeAt(size_t t, const Candidate& candidate, int branch, int place,
                               double rotation) const {
-  return {branch, place, {rotation}, candidate.q, candidate.objective, PlaceAt(t, candidate.q), false};
+  return {branch, place, {rotation}, candidate.q, candidate.objective, faces_[t].At(candidate.q), false};
 }
 
 std::vector<std::vector<FlankNode>> FaceSegment::Layers() const {
@@ -145,17 +142,30 @@ FlankRules FaceSegment::Rules() const {
   return rules;
 }
 
-std::optional<FaceCandidate> FaceSegment::Join(std::vector<PathNode> nodes) const {
+/// Chooses full revolutions; returns whether limits and joint steps admit it.
+bool FaceSegment::Connect(std::vector<PathNode>& nodes) const {
   for (size_t t = 0; t < nodes.size(); ++t) {
     const size_t next = t + 1 == nodes.size() ? 0 : t + 1;
     if (next == 0 && !closed()) break;
     const Joints step = (nodes[next].q - nodes[t].q).unaryExpr(&WrapToPi);
-    if ((step.cwiseAbs().array() > max_step_[t].array() + kRevolutionRounding).any()) return std::nullopt;
+    if ((step.cwiseAbs().array() > max_step_[t].array() + kRevolutionRounding).any()) return false;
   }
-  if (!Unwind(nodes, closed(), ProblemAt(0).bounds)) return std::nullopt;
+  return Unwind(nodes, closed(), ProblemAt(0).bounds);
+}
+
+std::optional<FaceCandidate> FaceSegment::Join(std::vector<PathNode> nodes) const {
+  if (!Connect(nodes)) return std::nullopt;
   FaceCandidate joined{std::move(nodes), {}};
   joined.figures = Figures(joined.path);
   return joined;
+}
+
+std::optional<FaceChoiceFigures> FaceSegment::FiguresJoined(std::vector<PathNode> nodes,
+                                                            std::vector<FacePlace> faces) const {
+  if (!Connect(nodes)) return std::nullopt;
+  const LostMotion& lost = options_.gears.lost;
+  for (size_t t = 0; t < nodes.size(); ++t) faces[t].gears.place.at.head<6>() = lost.gears * nodes[t].q;
+  return FiguresOf(lost, std::move(faces), closed());
 }
 
 double FaceSegment::Bend(size_t t, const Joints& from, const Joints& to) const {

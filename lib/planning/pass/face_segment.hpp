@@ -40,6 +40,10 @@ class FaceSegment {
 
   /// The nodes as a path; empty where limits or joint steps bar it.
   std::optional<FaceCandidate> Join(std::vector<PathNode> nodes) const;
+  /// The figures that the nodes would have as a path; empty likewise. `faces`: of the nodes, by any full
+  /// revolutions; the figures are those of Join() up to the rounding of these.
+  std::optional<FaceChoiceFigures> FiguresJoined(std::vector<PathNode> nodes,
+                                                 std::vector<FacePlace> faces) const;
   /// Of a path from Join(): what interferes, bends too far or cannot be left.
   SegmentHits Hits(const FaceCandidate& candidate);
   /// Bars the nodes of a branch that interfere by themselves; of the layers that `asked` names.
@@ -50,7 +54,7 @@ class FaceSegment {
 
  private:
   FlankNode NodeAt(size_t t, const Candidate& candidate, int branch, int place, double rotation) const;
-  FacePlace PlaceAt(size_t t, const Joints& q) const;
+  bool Connect(std::vector<PathNode>& nodes) const;
   const PoseProblem& ProblemAt(size_t t) const { return in_.At(first_ + t).problem; }
   double Bend(size_t t, const Joints& from, const Joints& to) const;
 
@@ -61,6 +65,7 @@ class FaceSegment {
   FaceModel model_;
   size_t first_;
   std::vector<MillingPoint> points_;
+  std::vector<FaceAtPoint> faces_;  ///< of the points
   std::vector<PointScorer> scorers_;
   std::vector<Joints> max_step_;
   std::vector<Eigen::Vector3d> middles_;

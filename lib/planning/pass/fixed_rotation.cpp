@@ -313,8 +313,9 @@ class Comparer {
     const Eigen::Vector3d origin = problem.origin == StiffnessOrigin::kToolTip
                                        ? Eigen::Vector3d(problem.X_FT.translation())
                                        : Eigen::Vector3d::Zero();
-    const Matrix6 C = Compliance(Jacobian(problem.arm, q, origin), problem.arm.stiffness) +
-                      SeriesComplianceAt(problem.arm, q, origin, problem.compliances);
+    const LinkPoses frames = LinkFrames(problem.arm, q);
+    const Matrix6 C = Compliance(Jacobian(problem.arm, frames, origin), problem.arm.stiffness) +
+                      SeriesComplianceAt(frames, origin, problem.compliances);
     const Eigen::Matrix3d R_BW = problem.X_WB.linear().transpose();
     const Eigen::Vector3d moved = C.topLeftCorner<3, 3>() * (R_BW * planned.point.engagement.force);
     return {objective, std::abs((R_BW * planned.point.normal).dot(moved)), moved.norm()};

@@ -19,19 +19,6 @@ using Eigen::Vector3d;
 constexpr double kArcmin = DegToRad(1.0 / 60);
 constexpr double kMicrometre = 1e-3;
 
-/// How far the tip goes against the part along `normal` per unit of each external axis.
-std::vector<double> ExternalLevers(const Mechanism& mechanism, const PosedPoint& place) {
-  std::vector<double> levers;
-  for (size_t i = 0; i < place.external.size(); ++i) {
-    const auto [direction, origin] = mechanism.LineOf(i, place.external);
-    const bool linear = mechanism.axes()[i].kind == AxisKind::kLinear;
-    const Vector3d way = linear ? direction : Vector3d(direction.cross(place.point->position - origin));
-    const double sign = mechanism.axes()[i].carries == Carries::kRobot ? 1 : -1;
-    levers.push_back(sign * place.point->normal.dot(way));
-  }
-  return levers;
-}
-
 double UnitOf(int gear, const std::vector<ExternalAxis>& external) {
   const bool linear = gear >= 6 && external[static_cast<size_t>(gear) - 6].kind == AxisKind::kLinear;
   return linear ? kMicrometre : kArcmin;
@@ -39,24 +26,44 @@ double UnitOf(int gear, const std::vector<ExternalAxis>& external) {
 
 }  // namespace
 
-PosedGears GearsAt(const GearModel& model, const GearedArm& geared, const PosedPoint& posed) {
-  const auto& [arm, X_FT, mechanism] = geared;
-  const Eigen::Matrix3d R_BW = posed.X_WB.linear().transpose();
-  const Eigen::Matrix<double, 3, 6> J = Jacobian(arm, posed.q, X_FT.translation()).topRows<3>();
+std::vector<double> ExternalLevers(const Mechanism& mechanism, const MillingPoint& point,
+                                   const ExternalPosition& external) {
+  std::vector<double> levers;
+  for (size_t i = 0; i < external.size(); ++i) {
+    const auto [direction, origin] = mechanism.LineOf(i, external);
+    const bool linear = mechanism.axes()[i].kind == AxisKind::kLinear;
+    const Vector3d way = linear ? direction : Vector3d(direction.cross(point.position - origin));
+    const double sign = mechanism.axes()[i].carries == Carries::kRobot ? 1 : -1;
+    levers.push_back(sign * point.normal.dot(way));
+  }
+  return levers;
+}
+
+PosedGears GearsAt(const GearModel& model, const Arm& arm, const KnownPose& pose) {
+  const Eigen::Matrix<double, 3, 6> J = pose.J.topRows<3>();
   PosedGears placed;
-  placed.levers =
-      GearLevers(model.lost, J.transpose() * (R_BW * posed.point->normal), ExternalLevers(mechanism, posed));
-  placed.place.at = AtGears(model.lost, posed.q, posed.external);
+  placed.levers = GearLevers(model.lost, J.transpose() * pose.normal, pose.external_levers);
+  placed.place.at = AtGears(model.lost, pose.q, pose.external);
   if (const auto& weights = model.weights) {
     const Joints torques =
-        GravityTorques(arm, posed.q, weights->masses, weights->counterbalance, weights->gravity) +
-        J.transpose() * (R_BW * posed.point->engagement.force);
+        GravityTorques(arm, pose.q, pose.frames, weights->masses, weights->counterbalance, weights->gravity) +
+        J.transpose() * pose.force;
     placed.place.load = GearLoads(model.lost, torques);
   }
   return placed;
 }
 
 namespace {
+
+PosedGears GearsAtPoint(const GearModel& model, const GearedArm& geared, const PosedPoint& posed) {
+  const auto& [arm, X_FT, mechanism] = geared;
+  const Eigen::Matrix3d R_BW = posed.X_WB.linear().transpose();
+  const LinkPoses frames = LinkFrames(arm, posed.q);
+  return GearsAt(model, arm,
+                 {posed.q, frames, Jacobian(arm, frames, X_FT.translation()), R_BW * posed.point->normal,
+                  R_BW * posed.point->engagement.force, posed.external,
+                  ExternalLevers(mechanism, *posed.point, posed.external)});
+}
 
 /// The gears at the points of a piece, a closed one back at its first.
 std::vector<PosedGears> AlongPiece(const GearModel& model, const GearedArm& arm,
@@ -66,7 +73,7 @@ std::vector<PosedGears> AlongPiece(const GearModel& model, const GearedArm& arm,
   const auto add = [&](PosedPoint posed) {
     if (!along.empty()) posed.q = NearestEquivalent(near, posed.q);
     near = posed.q;
-    along.push_back(GearsAt(model, arm, posed));
+    along.push_back(GearsAtPoint(model, arm, posed));
   };
   for (const PosedPoint& posed : places) add(posed);
   if (closed && !places.empty()) add(places.front());

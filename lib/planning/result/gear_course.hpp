@@ -51,7 +51,23 @@ struct PosedGears {
   GearPlace place;
   GearValues levers = GearValues::Zero();
 };
-PosedGears GearsAt(const GearModel& model, const GearedArm& geared, const PosedPoint& posed);
+
+/// How far the tip goes against the part along the point's normal per unit of each external axis, mm/rad
+/// (mm/mm): the same in every pose of the arm.
+std::vector<double> ExternalLevers(const Mechanism& mechanism, const MillingPoint& point,
+                                   const ExternalPosition& external);
+
+/// A pose of the arm at a point, and what of it is known already. Directions are in B.
+struct KnownPose {
+  const Joints& q;          ///< rad
+  const LinkPoses& frames;  ///< LinkFrames() of q
+  const Matrix6& J;         ///< Jacobian() at the tool tip
+  Eigen::Vector3d normal;   ///< of the point
+  Eigen::Vector3d force;    ///< N, on the tool
+  const ExternalPosition& external;
+  const std::vector<double>& external_levers;  ///< ExternalLevers()
+};
+PosedGears GearsAt(const GearModel& model, const Arm& arm, const KnownPose& pose);
 
 /// What the gears do along one piece, which is entered settled. `places`: of all its points; a closed piece
 /// comes back to the first, whose second visit is the place behind the last. Joint angles are taken modulo

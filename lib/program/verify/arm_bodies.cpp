@@ -21,7 +21,7 @@ ArmBodies::ArmBodies(const Cell& cell) : cell_(cell) {
 
 bool ArmBodies::MovesFurther(const Joints& q, const Joints& p, double distance) const {
   if ((q - p).cwiseAbs().sum() * reach_ <= distance) return false;  // a bound that settles nearly all
-  const std::array<Pose, 7> X_q = LinkFrames(cell_.arm, q), X_p = LinkFrames(cell_.arm, p);
+  const LinkPoses X_q = LinkFrames(cell_.arm, q), X_p = LinkFrames(cell_.arm, p);
   std::array<double, 7> turned{};
   for (size_t link = 0; link < 7; ++link) turned[link] = AngleBetween(X_q[link].linear(), X_p[link].linear());
   for (const Ball& ball : balls_) {

@@ -61,7 +61,7 @@ void CellTree::AddArm(const Cell& cell, const RosNames& names) {
                     .parent = carrier == kNoCarrier ? 0 : carriages_[static_cast<size_t>(carrier)],
                     .X = OnCarrier(carrier, cell.X_WB)});
   links_.push_back(static_cast<size_t>(parent));
-  const std::array<Pose, 7> frames = LinkFrames(cell.arm, Joints::Zero());
+  const LinkPoses frames = LinkFrames(cell.arm, Joints::Zero());
   for (size_t i = 0; i < 6; ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     parent = Add({.name = names.links[i],

@@ -5,6 +5,7 @@
 
 #include "base/value_bytes.hpp"
 #include "machine/robot/angles.hpp"
+#include "planning/pass/face_search.hpp"
 #include "tests/planning/pass/pass_problem.hpp"
 #include "tests/planning/pose/lean_problems.hpp"
 
@@ -53,7 +54,7 @@ double LeastOfFixed(const Stations& stations, const Pass& pass, const FacePlanOp
         const Joints q = places.empty() ? at.q : NearestEquivalent(last, at.q);
         if (!places.empty() && (q - last).cwiseAbs().maxCoeff() > DegToRad(5)) break;
         last = q;
-        places.push_back(FacePlaceAt(problem, model, point, q, {}));
+        places.push_back(FaceAtPoint(problem, model, point, {}).At(q));
       }
       if (places.size() == pass.points.size())
         least = std::min(least, FiguresOf(options.gears.lost, places, pass.closed).worst);
@@ -168,6 +169,28 @@ TEST(PlanFace, ARingComesBackToItsStart) {
   EXPECT_LE(step.cwiseAbs().maxCoeff(), DegToRad(5) + 1e-12);
   EXPECT_LT(FacesOf(stations, options.gears, after).front().worst,
             FacesOf(stations, options.gears, before).front().worst);
+}
+
+TEST(FaceSearch, RanksFixedRotationsByWhatTheyLeave) {
+  const PoseProblem problem = FaceProblem();
+  const World world(EmptyCell(problem));
+  const Stations stations(world, problem);
+  const FacePlanOptions options = FacesOptions();
+  for (const Pass& pass : {Forced(Row(-200, 200, 21)), Forced(Ring(150, 24))}) {
+    const PassResult plan = Planned(problem, world, pass);
+    FaceSegment segment(stations, plan, plan.pieces.at(0), options, {.threads = 2});
+    const FaceSearch search(segment, 0);
+    const std::vector<FaceSearch::Fixed> all = search.AllFixed();
+    EXPECT_GT(all.size(), 100u);
+    for (const FaceSearch::Fixed& fixed : all) {
+      const std::optional<FaceCandidate> joined = search.AtFixed(fixed.at);
+      ASSERT_TRUE(joined);
+      EXPECT_NEAR(fixed.figures.worst, joined->figures.worst, 1e-12);
+      EXPECT_NEAR(fixed.figures.middle, joined->figures.middle, 1e-12);
+      EXPECT_NEAR(fixed.figures.marks, joined->figures.marks, 1e-12);
+      EXPECT_EQ(fixed.figures.crossings, joined->figures.crossings);
+    }
+  }
 }
 
 }  // namespace

@@ -122,6 +122,7 @@ CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string
        {SpeedWarning(*program.speed), MemoryWarning(program.files, post.Memory())})
     if (!warning.empty()) program.warnings.push_back(warning);
   for (const Motion& motion : motions.written.motions) program.pass_of_motion.push_back(motion.pass);
+  motions.written = {};  // of a large plan as large as what is read back
   try {
     MotionProgram back = post.Read(program.files, plan.arm, with.settings);
     CompleteFrames(back, motions.planned);

@@ -2,6 +2,7 @@
 #include "run/pipeline/stages/other_stations.hpp"
 
 #include "base/counted.hpp"
+#include "base/parallel.hpp"
 #include "job/assemble.hpp"
 #include "planning/result/pass_value.hpp"
 #include "planning/result/skipped.hpp"
@@ -36,6 +37,24 @@ bool MustEarnIt(const ExternalCourse& course, const std::vector<ExternalCourse>&
   return course.Moves() && round < next.size() && !next[round].Moves() && round == 0;
 }
 
+/// Whether the worst of a pass that is planned whole `here` cannot be as low at another station, because one
+/// point alone (`placed`: with the part as it stands there) has no pose that good: then nothing needs to be
+/// planned. With leans a point's own search may miss its optimum, so it proves nothing.
+bool LosesThere(const Station& there, const Pass& placed, const PassResult& here,
+                const PathOptions& options) {
+  const PassValue value = ValueOf(here);
+  const PoseProblem& problem = there.problem;
+  if (!options.worst_first || problem.freedoms.size() > 1 || value.skipped > 0 || value.pieces > 1)
+    return false;
+  const double limit = value.worst * (1 + kGainElsewhere);
+  return std::ranges::any_of(placed.points, [&](const MillingPoint& point) {
+    if (point.kind != PointKind::kCut || point.gouge > 0) return false;
+    const PointScorer scorer(problem, point, placed.rotation_reference);
+    const PointOptimum best = RefineTable(scorer, CandidateTable::OfStep(scorer, options.rotation_step));
+    return best.found && best.objective > limit;
+  });
+}
+
 }  // namespace
 
 void PlanOtherStations(const JobInputs& inputs, PreparedJob& prepared, const CheckpointStore& checkpoints,
@@ -60,6 +79,13 @@ void PlanOtherStations(const JobInputs& inputs, PreparedJob& prepared, const Che
     if (tried == 0) execution.progress.Begin("other stations", points);
     tried += points;
     const Toolpath placed = AtStations(inputs, prepared.made.toolpath, prepared.stations, external);
+    ParallelFor(next.size(), execution.Threads(), execution.stop, [&](size_t i) {
+      if (again[i] == 0 || external[i].Moves() || prepared.external[i].Moves() ||
+          !LosesThere(prepared.stations.At(external[i].from), placed.passes[i], passes[i], options))
+        return;
+      again[i] = 0;
+      execution.progress.Advance(placed.passes[i].points.size());
+    });
     PlannedPasses planned =
         PlanPasses(prepared.stations, {placed, external, [&](size_t i) { return again[i] != 0; }}, options,
                    checkpoints, execution);
