@@ -48,7 +48,12 @@ struct Checker::Impl {
   /// Takes note of a question about the poses between q0 and q1, each joint up to `tube` beside them. What
   /// stands still keeps `Clearances::free`, whatever the arm does.
   void Look(const Joints& q0, const Joints& q1, const Joints& tube) {
-    if (keeper) looks.AddMotion(q0, q1, tube, world->cell.clearances.free);
+    if (!keeper) return;
+    // The last interval that is looked at for the tube's sake reaches a little beyond (BlockedBetween), and
+    // is settled where all that lies within it is.
+    const Joints beside = tube.array() + kSmallBesideTube * tube.maxCoeff();
+    const double moves = world->span * ((MostTurnOf(world->cell, beside).array() + 1).prod() - 1);
+    looks.AddMotion(q0, q1, beside, world->cell.clearances.free + moves);
   }
 
   /// Takes note of an answer.

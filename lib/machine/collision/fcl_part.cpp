@@ -264,6 +264,10 @@ bool ApartFromStill(const Placed& still, const Placed& part, double bound) {
          GapAlongAxes(still, part, between) >= bound;
 }
 
+bool ApartAlongAxes(const Placed& side, const Placed& other, double bound) {
+  return GapAlongAxes(side, other, other.centre - side.centre) >= bound;
+}
+
 namespace {
 
 /// Of a part's envelope from the triangles of a mesh.

@@ -54,6 +54,10 @@ bool BoxesApart(const Placed& a, const Placed& b, double bound);
 /// however `part`, or a point of its box, is moved by up to m.
 bool ApartFromStill(const Placed& still, const Placed& part, double bound);
 
+/// BoxesApart by what takes directions from `side` alone: if it holds with a bound greater by √3 m, it holds
+/// however the other, as seen from `side`, is moved by up to m.
+bool ApartAlongAxes(const Placed& side, const Placed& other, double bound);
+
 /// A lower bound of the distance of two parts from planes between them, mm, at most `bound` (> 0): never more
 /// than DistanceUpTo, at a fraction of its cost. Below `enough` nothing is proven but that it may be so near;
 /// the search stops there. 0 for a part wholly inside a closed mesh. Of two meshes one is taken as its box.

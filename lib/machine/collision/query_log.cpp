@@ -63,14 +63,12 @@ void QueryLog::Add(const Joints& low, const Joints& high, double reach) {
   Widen(place, box);
 }
 
-void QueryLog::AddMotion(const Joints& q0, const Joints& q1, const Joints& tube, double reach) {
+void QueryLog::AddMotion(const Joints& q0, const Joints& q1, const Joints& beside, double reach) {
   double most = 0;
   for (size_t i = 0; i < 6; ++i) {
     const auto joint = static_cast<Eigen::Index>(i);
     most = std::max(most, std::abs(q1[joint] - q0[joint]) / kTogether[i]);
   }
-  // The last interval that is looked at for the tube's sake reaches a little beyond (BlockedBetween).
-  const Joints beside = tube.array() + kSmallBesideTube * tube.maxCoeff();
   // A long way by a box of its own would be one by all that lies between its corners.
   const int parts = std::max(1, static_cast<int>(std::ceil(most)));
   for (int k = 0; k < parts; ++k) {
@@ -97,43 +95,95 @@ Queries QueryLog::Collected() const {
   return looks;
 }
 
+namespace {
+
+/// How often a box is halved where it is too wide to tell: what is left moves by some millimetres.
+constexpr int kHalvings = 6;
+
+/// A body of the arm and something that stands still.
+struct Pair {
+  const WorldBody* body;
+  const Placed* still;
+};
+
+/// Tells what stays away from what stands still in all poses of a box.
+class FarCheck {
+ public:
+  FarCheck(const Cell& cell, double reach) : cell_(cell), reach_(reach) {}
+
+  /// Whether all pairs do. A box that is too wide to tell is halved for the pairs that are in doubt.
+  bool Far(const Joints& middle, const Joints& half, const std::vector<Pair>& pairs, int halvings) const {
+    const Joints turn = MostTurnOf(cell_, half);
+    LinkPoses X_WL = FramesOf(cell_, middle);
+    for (Pose& X : X_WL) X = Compose(cell_.X_WB, X);
+    const JointAxes axes = AxesOf(X_WL);
+    std::vector<Pair> doubtful;
+    const WorldBody* placed = nullptr;
+    std::optional<Placed> part;
+    std::optional<double> about, moves;  // the wide bound and the narrower one, which costs more
+    for (const Pair& pair : pairs) {
+      const int link = pair.body->link;
+      if (pair.body != placed) {
+        placed = pair.body;
+        part = PlacePart(*placed->part, Compose(X_WL[static_cast<size_t>(link)], placed->X_LG));
+        about = BallMoves(axes, link, part->centre, part->part->radius, turn);
+        moves.reset();
+      }
+      const Placed& still = *pair.still;
+      if (ApartFromStill(still, *part, Bound(*about))) continue;
+      if (!moves) moves = MotionBounds(axes, link, part->centre, part->half_axes, turn)[0];
+      if (ApartFromStill(still, *part, Bound(*moves))) continue;
+      // As seen from the body, what stands still moves as what hangs on the same link would there.
+      if (ApartAlongAxes(*part, still, Bound(BallMoves(axes, link, still.centre, still.part->radius, turn))))
+        continue;
+      if (halvings == 0 || !BoxesApart(*part, still, reach_)) return false;
+      doubtful.push_back(pair);
+    }
+    if (doubtful.empty()) return true;
+    Eigen::Index widest = 0;
+    for (Eigen::Index i = 1; i < 6; ++i)
+      if (Width(half, i) > Width(half, widest)) widest = i;
+    Joints narrower = half, off = Joints::Zero();
+    narrower[widest] *= 0.5;
+    off[widest] = narrower[widest];
+    return Far(middle - off, narrower, doubtful, halvings - 1) &&
+           Far(middle + off, narrower, doubtful, halvings - 1);
+  }
+
+ private:
+  static double Width(const Joints& half, Eigen::Index joint) {
+    return half[joint] / kTogether[static_cast<size_t>(joint)];
+  }
+  /// Gaps along the directions of one of two boxes are less at another pose, all three together by √3 times
+  /// what one moves at most as seen from the other. A motion is looked at in ever shorter parts until they
+  /// suffice: as long as they exceed the clearance, no part ends the check.
+  double Bound(double moves) const { return reach_ + std::sqrt(3.0) * moves; }
+
+  const Cell& cell_;
+  double reach_;
+};
+
+}  // namespace
+
 bool World::FarFrom(const std::vector<std::string>& still, const Queries& looks) const {
   std::vector<Placed> obstacles;
   for (const WorldBody& body : impl_->bodies) {
     if (body.link == 0 && std::find(still.begin(), still.end(), body.name) != still.end())
       obstacles.push_back(PlacePart(*body.part, body.X_LG));
   }
-  Joints middle, turn;
-  for (const PoseBox& box : looks.boxes) {
+  std::vector<Pair> pairs;
+  for (const WorldBody& body : impl_->bodies)
+    for (const Placed& obstacle : obstacles)
+      if (body.link != 0) pairs.push_back({&body, &obstacle});
+  return std::ranges::all_of(looks.boxes, [&](const PoseBox& box) {
+    Joints middle, half;
     for (size_t i = 0; i < 6; ++i) {
       const auto joint = static_cast<Eigen::Index>(i);
       middle[joint] = 0.5 * (static_cast<double>(box.low[i]) + box.high[i]);
-      turn[joint] = 0.5 * (static_cast<double>(box.high[i]) - box.low[i]);
+      half[joint] = 0.5 * (static_cast<double>(box.high[i]) - box.low[i]);
     }
-    turn = MostTurnOf(impl_->cell, turn);
-    LinkPoses X_WL = FramesOf(impl_->cell, middle);
-    for (Pose& X : X_WL) X = Compose(impl_->cell.X_WB, X);
-    const JointAxes axes = AxesOf(X_WL);
-    for (const WorldBody& body : impl_->bodies) {
-      if (body.link == 0) continue;
-      const Placed part = PlacePart(*body.part, Compose(X_WL[static_cast<size_t>(body.link)], body.X_LG));
-      // Gaps along the obstacle's directions are less at another pose of the box, all three together by √3
-      // times what the body moves at most. A motion is looked at in ever shorter parts until they suffice: as
-      // long as they exceed the clearance, no part ends the check.
-      constexpr double kAlongThree = 1.7320509;
-      const auto apart = [&](const Placed& obstacle, double moves) {
-        return ApartFromStill(obstacle, part, box.reach + kAlongThree * moves);
-      };
-      const double about = BallMoves(axes, body.link, part.centre, part.part->radius, turn);
-      std::optional<double> moves;  // the narrower bound, which costs more
-      for (const Placed& obstacle : obstacles) {
-        if (apart(obstacle, about)) continue;
-        if (!moves) moves = MotionBounds(axes, body.link, part.centre, part.half_axes, turn)[0];
-        if (!apart(obstacle, *moves)) return false;
-      }
-    }
-  }
-  return true;
+    return FarCheck(impl_->cell, box.reach).Far(middle, half, pairs, kHalvings);
+  });
 }
 
 }  // namespace millpose

@@ -32,8 +32,8 @@ class QueryLog {
  public:
   /// The poses between `low` and `high`, rad.
   void Add(const Joints& low, const Joints& high, double reach);
-  /// Those on the straight way from q0 to q1, each joint up to `tube` beside it.
-  void AddMotion(const Joints& q0, const Joints& q1, const Joints& tube, double reach);
+  /// Those on the straight way from q0 to q1, each joint up to `beside` next to it.
+  void AddMotion(const Joints& q0, const Joints& q1, const Joints& beside, double reach);
   void Meet(const std::string& body) { met_.insert(body); }
   /// Adds what another has collected; may be called from several threads.
   void Take(const QueryLog& other);

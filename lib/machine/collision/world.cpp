@@ -8,6 +8,7 @@
 #include "machine/collision/body_pairs.hpp"
 #include "machine/collision/cutter.hpp"
 #include "machine/collision/world_impl.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
@@ -89,6 +90,15 @@ int Rank(const Body& a, const Body& b) {
   return (tool ? 0 : 20) + (part ? 0 : 10) + 6 - std::max(LinkOf(a), LinkOf(b));
 }
 
+/// World::Impl::span.
+double SpanOf(const Arm& arm, const std::vector<WorldBody>& bodies) {
+  constexpr double kAsBuilt = 1.01;  // an arm's links are a little longer or shorter than its model's
+  double beyond = 0;                 // of the link that it hangs on
+  for (const WorldBody& body : bodies)
+    if (body.link > 0) beyond = std::max(beyond, (body.X_LG * body.part->centre).norm() + body.part->radius);
+  return kAsBuilt * (ArmLength(arm) + beyond);
+}
+
 }  // namespace
 
 std::shared_ptr<const World::Impl> World::Impl::Build(Cell cell) {
@@ -102,6 +112,7 @@ std::shared_ptr<const World::Impl> World::Impl::Build(Cell cell) {
     impl->bodies.push_back({body.name, std::make_shared<const FclPart>(MakePart(body.shape)), LinkOf(body),
                             PoseOnLink(cell, body)});
   }
+  impl->span = SpanOf(cell.arm, impl->bodies);
   std::vector<std::pair<int, BodyPair>> ranked;
   for (size_t i = 0; i < cell.bodies.size(); ++i) {
     for (size_t j = i + 1; j < cell.bodies.size(); ++j) {

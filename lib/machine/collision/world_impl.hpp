@@ -30,6 +30,7 @@ struct World::Impl {
   std::vector<WorldBody> bodies;
   std::vector<BodyPair> pairs;  ///< in the order of checking: what touches most often first
   bool measures_all = false;    ///< as World::MeasuringAll
+  double span = 0;  ///< mm: no point of a body that the arm carries is farther from any joint's axis
 
   /// Turns a cell without problems into bodies and pairs.
   static std::shared_ptr<const Impl> Build(Cell cell);
