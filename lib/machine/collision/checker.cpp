@@ -84,7 +84,7 @@ struct Checker::Impl {
   }
 
   BoundedDistance Distance(const BodyPair& pair, double bound) const {
-    if (IsApart(pair, bound)) return {bound, Eigen::Vector3d::Zero()};
+    if (IsApart(pair, bound)) return {bound};
     return DistanceUpTo(placed[pair.first], placed[pair.second], bound);
   }
 

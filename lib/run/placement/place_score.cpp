@@ -41,38 +41,44 @@ class BranchLadder {
   BranchLadder(const AdmissibleBounds& bounds, const std::vector<CandidateTable>& tables, size_t branch)
       : bounds_(bounds), tables_(tables) {
     for (const CandidateTable& table : tables) {
-      Layer layer{std::vector<Node>(table.settings()), false};
+      Layer layer{std::vector<Node>(table.settings())};
       for (size_t i = 0; i < table.entries().size(); ++i) {
         const CandidateTable::Entry& entry = table.entries()[i];
         if (entry.branch != branch) continue;
         layer.nodes[entry.setting] = {entry.objective, i};
-        layer.any = true;
       }
+      layer.left = static_cast<size_t>(
+          std::ranges::count_if(layer.nodes, [](const Node& node) { return node.objective < kNone; }));
       layers_.push_back(std::move(layer));
     }
   }
 
-  /// Looked at for interference where `look` is given: whether a candidate of a point is free.
-  using Look = std::function<bool(size_t point, const Joints& q, const FreedomValues& freedoms)>;
-  BranchScore Score(const Look& look) {
+  /// Interference left aside.
+  BranchScore Bound() { return Result(Choose()); }
+
+  /// What is asked of candidates: whether the arm may stand so, and whether it can leave a pass there, which
+  /// costs far more.
+  struct Looks {
+    std::function<bool(size_t point, const Joints& q, const FreedomValues& freedoms)> stands;
+    std::function<bool(size_t point, const Joints& q)> leaves;
+  };
+  /// Looked at for interference; something no better than `best` where it cannot be better.
+  BranchScore Score(const Looks& look, const std::optional<BranchScore>& best) {
     size_t looks = 0;
+    const auto stands = [&](size_t t, const Node& node, size_t setting) {
+      ++looks;
+      return look.stands(t, tables_[t].entries()[node.entry].q, tables_[t].Setting(setting));
+    };
+    const auto leaves = [&](size_t t, const Node& node, size_t) {
+      return look.leaves(t, tables_[t].entries()[node.entry].q);
+    };
     while (true) {
       const std::vector<Choice> chosen = Choose();
-      bool all_free = true;
-      for (size_t t = 0; look && t < layers_.size(); ++t) {
-        const size_t setting = chosen[t].setting;
-        if (setting == kNoSetting) continue;
-        Node& node = layers_[t].nodes[setting];
-        if (node.free) continue;
-        ++looks;
-        const CandidateTable& table = tables_[t];
-        node.free = look(t, table.entries()[node.entry].q, table.Setting(setting));
-        if (node.free) continue;
-        all_free = false;
-        node.objective = kNone;
-        layers_[t].blocked = true;
-      }
-      if (all_free) return Result(chosen);
+      const BranchScore bound = Result(chosen);
+      // Where all points are free no pass that is broken or lacks one is better, and each node less makes the
+      // worst of the others no less.
+      if (best && best->free == layers_.size() && !IsBetter(bound, *best)) return bound;
+      if (AllAre(&Node::stands, chosen, stands) && AllAre(&Node::leaves, chosen, leaves)) return bound;
       if (looks > kMostLooks * layers_.size()) return Result(std::vector<Choice>(layers_.size()));
     }
   }
@@ -82,12 +88,13 @@ class BranchLadder {
   struct Node {
     double objective = kNone;
     size_t entry = 0;
-    bool free = false;  ///< of interference, as looked at
+    bool stands = false, leaves = false;  ///< free of interference, as looked at
   };
   struct Layer {
     std::vector<Node> nodes;
-    bool any = false;
+    size_t left = 0;       ///< nodes
     bool blocked = false;  ///< some node interferes
+    bool changed = true;   ///< since ways through it were last worked out
   };
   struct Cost {
     size_t breaks = 0;
@@ -104,45 +111,75 @@ class BranchLadder {
     bool after_break = false;
   };
 
-  /// Of every layer; no setting where no node is left.
-  std::vector<Choice> Choose() const {
+  /// Looks at those of the chosen nodes that it is not known of, and takes out the others; returns whether
+  /// none was taken out.
+  template <class Look>
+  bool AllAre(bool Node::*what, const std::vector<Choice>& chosen, const Look& look) {
+    bool all = true;
+    for (size_t t = 0; t < layers_.size(); ++t) {
+      const size_t setting = chosen[t].setting;
+      if (setting == kNoSetting) continue;
+      Node& node = layers_[t].nodes[setting];
+      if (node.*what) continue;
+      node.*what = look(t, node, setting);
+      if (node.*what) continue;
+      all = false;
+      node.objective = kNone;
+      layers_[t].blocked = layers_[t].changed = true;
+      --layers_[t].left;
+    }
+    return all;
+  }
+
+  /// Of every layer; no setting where no node is left. Ways are worked out anew from the first layer on that
+  /// has changed.
+  std::vector<Choice> Choose() {
     std::vector<size_t> used;
     for (size_t t = 0; t < layers_.size(); ++t)
-      if (std::ranges::any_of(layers_[t].nodes, [](const Node& node) { return node.objective < kNone; }))
-        used.push_back(t);
+      if (layers_[t].left > 0) used.push_back(t);
     std::vector<Choice> chosen(layers_.size());
     if (used.empty()) return chosen;
-    const size_t count = layers_.front().nodes.size();
-    std::vector<std::vector<Choice>> from(used.size(), std::vector<Choice>(count));
-    std::vector<Cost> before(count, Cost{0, 0, 0}), now(count);
-    for (size_t u = 0; u < used.size(); ++u) {
-      const std::vector<Node>& nodes = layers_[used[u]].nodes;
-      const size_t reach = u == 0 ? 0 : kReach;
-      const auto least = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
-      for (size_t s = 0; s < count; ++s) {
-        now[s] = {};
-        if (nodes[s].objective == kNone) continue;
-        size_t best = kNoSetting;
-        for (size_t d = 0; d <= 2 * reach; ++d) {
-          const size_t other = (s + count + d - reach) % count;
-          if (before[other].any() && (best == kNoSetting || before[other] < before[best]) &&
-              (u == 0 || Leads(used[u - 1], other, used[u], s)))
-            best = other;
-        }
-        const bool broken = best == kNoSetting || before[least].breaks + 1 < before[best].breaks;
-        if (broken) best = least;
-        from[u][s] = {best, broken};
-        now[s] = {before[best].breaks + (broken ? 1 : 0), std::max(before[best].worst, nodes[s].objective),
-                  before[best].sum + nodes[s].objective};
-      }
-      std::swap(before, now);
-    }
-    auto s = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
-    for (size_t u = used.size(); u-- > 0;) {
-      chosen[used[u]] = {s, from[u][s].after_break};
-      s = from[u][s].setting;
+    size_t u = 0;
+    while (u < std::min(used.size(), used_.size()) && used[u] == used_[u] && !layers_[used[u]].changed) ++u;
+    used_ = std::move(used);
+    ways_.resize(used_.size());
+    for (; u < used_.size(); ++u) Extend(u);
+    for (Layer& layer : layers_) layer.changed = false;
+    const std::vector<Cost>& ends = ways_.back().cost;
+    auto s = static_cast<size_t>(std::min_element(ends.begin(), ends.end()) - ends.begin());
+    for (u = used_.size(); u-- > 0;) {
+      chosen[used_[u]] = {s, ways_[u].from[s].after_break};
+      s = ways_[u].from[s].setting;
     }
     return chosen;
+  }
+
+  /// The best ways to the nodes of the u-th layer that has any.
+  void Extend(size_t u) {
+    const std::vector<Node>& nodes = layers_[used_[u]].nodes;
+    const size_t count = nodes.size(), reach = u == 0 ? 0 : kReach;
+    const std::vector<Cost> start(u == 0 ? count : 0, Cost{0, 0, 0});
+    const std::vector<Cost>& before = u == 0 ? start : ways_[u - 1].cost;
+    const auto least = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
+    Ways& ways = ways_[u];
+    ways.from.assign(count, {});
+    ways.cost.assign(count, {});
+    for (size_t s = 0; s < count; ++s) {
+      if (nodes[s].objective == kNone) continue;
+      size_t best = kNoSetting;
+      for (size_t d = 0; d <= 2 * reach; ++d) {
+        const size_t other = (s + count + d - reach) % count;
+        if (before[other].any() && (best == kNoSetting || before[other] < before[best]) &&
+            (u == 0 || Leads(used_[u - 1], other, used_[u], s)))
+          best = other;
+      }
+      const bool broken = best == kNoSetting || before[least].breaks + 1 < before[best].breaks;
+      if (broken) best = least;
+      ways.from[s] = {best, broken};
+      ways.cost[s] = {before[best].breaks + (broken ? 1 : 0),
+                      std::max(before[best].worst, nodes[s].objective),
+                      before[best].sum + nodes[s].objective};
+    }
   }
 
   /// Whether the joints can go from a node of layer t to one of layer u without a limit between them. An axis
@@ -174,9 +211,17 @@ class BranchLadder {
     return score;
   }
 
+  /// To each node of a layer: what its best way costs, and over which node of the layer before it comes.
+  struct Ways {
+    std::vector<Cost> cost;
+    std::vector<Choice> from;
+  };
+
   const AdmissibleBounds& bounds_;
   const std::vector<CandidateTable>& tables_;
   std::vector<Layer> layers_;
+  std::vector<size_t> used_;  ///< layers that have nodes, as of `ways_`
+  std::vector<Ways> ways_;    ///< of these
 };
 
 /// What a pass is scored with.
@@ -193,20 +238,25 @@ struct PassScorer {
       tables.push_back(
           CandidateTable::OfStep(PointScorer(problem, point, pass.rotation_reference), kRotationStep));
     std::vector<std::pair<BranchScore, size_t>> bounds;
-    for (size_t branch = 0; branch < 8; ++branch)
-      bounds.emplace_back(BranchLadder(problem.bounds, tables, branch).Score({}), branch);
+    std::vector<BranchLadder> ladders;
+    for (size_t branch = 0; branch < 8; ++branch) {
+      ladders.emplace_back(problem.bounds, tables, branch);
+      bounds.emplace_back(ladders.back().Bound(), branch);
+    }
     std::ranges::stable_sort(bounds, [](const auto& a, const auto& b) { return IsBetter(a.first, b.first); });
     const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
     std::vector<PointMemory> memories(tables.size());
-    const auto is_free = [&](size_t t, const Joints& q, const FreedomValues& freedoms) {
-      if (checker.Blocked(q, Phase::kCutting, freedoms, memories[t])) return false;
-      const bool end = t == 0 || (!pass.closed && t + 1 == tables.size());
-      return !end || CanLeave(checker, carrier, q, leave);
-    };
+    const BranchLadder::Looks looks{[&](size_t t, const Joints& q, const FreedomValues& freedoms) {
+                                      return !checker.Blocked(q, Phase::kCutting, freedoms, memories[t]);
+                                    },
+                                    [&](size_t t, const Joints& q) {
+                                      const bool end = t == 0 || (!pass.closed && t + 1 == tables.size());
+                                      return !end || CanLeave(checker, carrier, q, leave);
+                                    }};
     std::optional<BranchScore> best;
     for (const auto& [bound, branch] : bounds) {
       if (best && !IsBetter(bound, *best)) break;
-      BranchScore score = BranchLadder(problem.bounds, tables, branch).Score(is_free);
+      BranchScore score = ladders[branch].Score(looks, best);
       if (!best || IsBetter(score, *best)) best = std::move(score);
     }
     return best->points;
