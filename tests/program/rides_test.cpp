@@ -265,10 +265,11 @@ TEST(RideTexts, SinumerikStatesTheAxisWhereItMovesAndWhatFMeans) {
         ->second;
   };
   size_t count = 0;
-  for (const std::string_view line : SplitLines(text(plan)))
+  const std::string riding = text(plan);
+  for (const std::string_view line : SplitLines(riding))
     count += line.find("G1 ") != std::string_view::npos && line.find("RAIL_AX=") != std::string_view::npos;
   EXPECT_GE(count, 6u);
-  EXPECT_NE(text(plan).find("; ASSUMED F counts along X, Y, Z alone (FGROUP)"), std::string::npos);
+  EXPECT_NE(riding.find("; ASSUMED F counts along X, Y, Z alone (FGROUP)"), std::string::npos);
   EXPECT_EQ(text(StationPlan("rail")).find("FGROUP"), std::string::npos);
 }
 

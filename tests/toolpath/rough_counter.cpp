@@ -19,7 +19,7 @@ constexpr double kAbove = 0.05;  // mm over the tip: below this it only touches
 
 RoughCounter::RoughCounter(const Vector2d& lower, const Vector2d& upper, double top, double cell,
                            std::vector<CountedBlock> part, const CountedCut& cut)
-    : cell_(cell), top_(top), part_(std::move(part)), cut_(cut) {
+    : cell_(cell), part_(std::move(part)), cut_(cut) {
   const double beside = 2 * cut.radius + 6;
   origin_ = lower - Vector2d::Constant(beside);
   const Vector2d size = (upper - lower + Vector2d::Constant(2 * beside)) / cell;

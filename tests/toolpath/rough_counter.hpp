@@ -62,7 +62,7 @@ class RoughCounter {
   void TakeFirst();
 
   Eigen::Vector2d origin_;
-  double cell_, top_;
+  double cell_;
   int columns_, rows_;
   std::vector<CountedBlock> part_;
   CountedCut cut_;
