@@ -229,7 +229,8 @@ TEST_P(RidePosts, OneFrameHoldsAlongACut) {
   const std::string& variant = GetParam().variant;
   if (ControllerOf(variant) == "linuxcnc") return;
   size_t count = 0;
-  for (const std::string_view line : SplitLines(Text()))
+  const std::string whole = Text();
+  for (const std::string_view line : SplitLines(whole))
     count += line.starts_with(variant == "krl" ? "$BASE = " : "$P_UIFR[");
   EXPECT_EQ(count, 1u);
 }
