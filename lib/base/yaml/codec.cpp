@@ -9,9 +9,10 @@
 
 namespace millpose::yaml {
 
-const Unit kOne{"", 1, 1}, kMm{"mm", 1, 1}, kDeg{"deg", kRadPerDeg, 1}, kDegPerS{"deg/s", kRadPerDeg, 1},
-    kDegPerS2{"deg/s²", kRadPerDeg, 1}, kNmPerRad{"N·m/rad", 1000, 1}, kMmPerMin{"mm/min", 1, 60},
-    kRevPerMin{"rev/min", 1, 60}, kPercent{"%", 1, 100};
+// Known before anything runs: registries take them while their programs start.
+constinit const Unit kOne{"", 1, 1}, kMm{"mm", 1, 1}, kDeg{"deg", kRadPerDeg, 1},
+    kDegPerS{"deg/s", kRadPerDeg, 1}, kDegPerS2{"deg/s²", kRadPerDeg, 1}, kNmPerRad{"N·m/rad", 1000, 1},
+    kMmPerMin{"mm/min", 1, 60}, kRevPerMin{"rev/min", 1, 60}, kPercent{"%", 1, 100};
 
 namespace {
 
@@ -72,7 +73,7 @@ bool Contains(const Range& range, double value) {
 }
 
 std::string NumberType(const std::string& noun, const Unit& unit, const Range& range) {
-  return noun + Describe(range) + (unit.label.empty() ? "" : ", " + unit.label);
+  return noun + Describe(range) + (unit.label.empty() ? "" : fmt::format(", {}", unit.label));
 }
 
 Value NumberSchema(const std::string& type, const Range& range) {

@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -111,7 +112,7 @@ struct Codec : CodecText {
 
 /// External unit: inside = external · factor ÷ divisor (one of them is 1, so that writing can undo it).
 struct Unit {
-  std::string label;
+  std::string_view label;  ///< a literal
   double factor = 1, divisor = 1;
 };
 extern const Unit kOne, kMm, kDeg, kDegPerS, kDegPerS2, kNmPerRad, kMmPerMin, kRevPerMin, kPercent;

@@ -97,7 +97,7 @@ Queries QueryLog::Collected() const {
 
 namespace {
 
-/// How often a box is halved where it is too wide to tell: what is left moves by some millimetres.
+/// How often a box is halved where it is too wide to tell. More of it proves little more.
 constexpr int kHalvings = 6;
 
 /// A body of the arm and something that stands still.

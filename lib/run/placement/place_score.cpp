@@ -47,14 +47,12 @@ class BranchLadder {
         if (entry.branch != branch) continue;
         layer.nodes[entry.setting] = {entry.objective, i};
       }
-      layer.left = static_cast<size_t>(
-          std::ranges::count_if(layer.nodes, [](const Node& node) { return node.objective < kNone; }));
       layers_.push_back(std::move(layer));
     }
   }
 
   /// Interference left aside.
-  BranchScore Bound() { return Result(Choose()); }
+  BranchScore Bound() const { return Result(Choose()); }
 
   /// What is asked of candidates: whether the arm may stand so, and whether it can leave a pass there, which
   /// costs far more.
@@ -92,9 +90,7 @@ class BranchLadder {
   };
   struct Layer {
     std::vector<Node> nodes;
-    size_t left = 0;       ///< nodes
     bool blocked = false;  ///< some node interferes
-    bool changed = true;   ///< since ways through it were last worked out
   };
   struct Cost {
     size_t breaks = 0;
@@ -125,61 +121,50 @@ class BranchLadder {
       if (node.*what) continue;
       all = false;
       node.objective = kNone;
-      layers_[t].blocked = layers_[t].changed = true;
-      --layers_[t].left;
+      layers_[t].blocked = true;
     }
     return all;
   }
 
-  /// Of every layer; no setting where no node is left. Ways are worked out anew from the first layer on that
-  /// has changed.
-  std::vector<Choice> Choose() {
+  /// Of every layer; no setting where no node is left.
+  std::vector<Choice> Choose() const {
     std::vector<size_t> used;
     for (size_t t = 0; t < layers_.size(); ++t)
-      if (layers_[t].left > 0) used.push_back(t);
+      if (std::ranges::any_of(layers_[t].nodes, [](const Node& node) { return node.objective < kNone; }))
+        used.push_back(t);
     std::vector<Choice> chosen(layers_.size());
     if (used.empty()) return chosen;
-    size_t u = 0;
-    while (u < std::min(used.size(), used_.size()) && used[u] == used_[u] && !layers_[used[u]].changed) ++u;
-    used_ = std::move(used);
-    ways_.resize(used_.size());
-    for (; u < used_.size(); ++u) Extend(u);
-    for (Layer& layer : layers_) layer.changed = false;
-    const std::vector<Cost>& ends = ways_.back().cost;
-    auto s = static_cast<size_t>(std::min_element(ends.begin(), ends.end()) - ends.begin());
-    for (u = used_.size(); u-- > 0;) {
-      chosen[used_[u]] = {s, ways_[u].from[s].after_break};
-      s = ways_[u].from[s].setting;
+    const size_t count = layers_.front().nodes.size();
+    std::vector<std::vector<Choice>> from(used.size(), std::vector<Choice>(count));
+    std::vector<Cost> before(count, Cost{0, 0, 0}), now(count);
+    for (size_t u = 0; u < used.size(); ++u) {
+      const std::vector<Node>& nodes = layers_[used[u]].nodes;
+      const size_t reach = u == 0 ? 0 : kReach;
+      const auto least = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
+      for (size_t s = 0; s < count; ++s) {
+        now[s] = {};
+        if (nodes[s].objective == kNone) continue;
+        size_t best = kNoSetting;
+        for (size_t d = 0; d <= 2 * reach; ++d) {
+          const size_t other = (s + count + d - reach) % count;
+          if (before[other].any() && (best == kNoSetting || before[other] < before[best]) &&
+              (u == 0 || Leads(used[u - 1], other, used[u], s)))
+            best = other;
+        }
+        const bool broken = best == kNoSetting || before[least].breaks + 1 < before[best].breaks;
+        if (broken) best = least;
+        from[u][s] = {best, broken};
+        now[s] = {before[best].breaks + (broken ? 1 : 0), std::max(before[best].worst, nodes[s].objective),
+                  before[best].sum + nodes[s].objective};
+      }
+      std::swap(before, now);
+    }
+    auto s = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
+    for (size_t u = used.size(); u-- > 0;) {
+      chosen[used[u]] = {s, from[u][s].after_break};
+      s = from[u][s].setting;
     }
     return chosen;
-  }
-
-  /// The best ways to the nodes of the u-th layer that has any.
-  void Extend(size_t u) {
-    const std::vector<Node>& nodes = layers_[used_[u]].nodes;
-    const size_t count = nodes.size(), reach = u == 0 ? 0 : kReach;
-    const std::vector<Cost> start(u == 0 ? count : 0, Cost{0, 0, 0});
-    const std::vector<Cost>& before = u == 0 ? start : ways_[u - 1].cost;
-    const auto least = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
-    Ways& ways = ways_[u];
-    ways.from.assign(count, {});
-    ways.cost.assign(count, {});
-    for (size_t s = 0; s < count; ++s) {
-      if (nodes[s].objective == kNone) continue;
-      size_t best = kNoSetting;
-      for (size_t d = 0; d <= 2 * reach; ++d) {
-        const size_t other = (s + count + d - reach) % count;
-        if (before[other].any() && (best == kNoSetting || before[other] < before[best]) &&
-            (u == 0 || Leads(used_[u - 1], other, used_[u], s)))
-          best = other;
-      }
-      const bool broken = best == kNoSetting || before[least].breaks + 1 < before[best].breaks;
-      if (broken) best = least;
-      ways.from[s] = {best, broken};
-      ways.cost[s] = {before[best].breaks + (broken ? 1 : 0),
-                      std::max(before[best].worst, nodes[s].objective),
-                      before[best].sum + nodes[s].objective};
-    }
   }
 
   /// Whether the joints can go from a node of layer t to one of layer u without a limit between them. An axis
@@ -211,17 +196,9 @@ class BranchLadder {
     return score;
   }
 
-  /// To each node of a layer: what its best way costs, and over which node of the layer before it comes.
-  struct Ways {
-    std::vector<Cost> cost;
-    std::vector<Choice> from;
-  };
-
   const AdmissibleBounds& bounds_;
   const std::vector<CandidateTable>& tables_;
   std::vector<Layer> layers_;
-  std::vector<size_t> used_;  ///< layers that have nodes, as of `ways_`
-  std::vector<Ways> ways_;    ///< of these
 };
 
 /// What a pass is scored with.

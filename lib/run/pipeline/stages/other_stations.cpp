@@ -4,6 +4,8 @@
 #include "base/counted.hpp"
 #include "base/parallel.hpp"
 #include "job/assemble.hpp"
+#include "planning/pose/candidate_table.hpp"
+#include "planning/pose/search.hpp"
 #include "planning/result/pass_value.hpp"
 #include "planning/result/skipped.hpp"
 #include "run/pipeline/stages/plan_passes.hpp"
