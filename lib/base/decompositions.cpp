@@ -44,6 +44,18 @@ MatrixXd SolvePositive(const MatrixXd& a, const MatrixXd& b) { return a.llt().so
 
 MatrixXd CholeskyOf(const MatrixXd& a) { return a.llt().matrixL(); }
 
+VectorXd LeastSquares(const MatrixXd& a, const VectorXd& b, double threshold) {
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> fit;
+  if (threshold > 0) fit.setThreshold(threshold);
+  return fit.compute(a).solve(b);
+}
+
+std::optional<VectorXd> LeastSquaresOfFullRank(const MatrixXd& a, const VectorXd& b) {
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(a);
+  if (qr.rank() < a.cols()) return std::nullopt;
+  return qr.solve(b);
+}
+
 MatrixXd TriangleOf(const MatrixXd& a) {
   return Eigen::HouseholderQR<MatrixXd>(a).matrixQR().topRows(a.cols()).triangularView<Eigen::Upper>();
 }
@@ -51,6 +63,8 @@ MatrixXd TriangleOf(const MatrixXd& a) {
 MatrixXd InverseOfTriangle(const MatrixXd& R) {
   return R.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(R.rows(), R.cols()));
 }
+
+Vector3d Solve3(const Matrix3d& a, const Vector3d& b) { return a.fullPivLu().solve(b); }
 
 double DeterminantOf(const MatrixXd& a) { return a.fullPivLu().determinant(); }
 

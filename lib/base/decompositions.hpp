@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 namespace millpose {
 
@@ -41,11 +42,18 @@ Eigen::MatrixXd SolvePositive(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b
 /// That L.
 Eigen::MatrixXd CholeskyOf(const Eigen::MatrixXd& a);
 
+/// The least x of those that a·x comes nearest to b for, by a complete orthogonal decomposition: pivots below
+/// `threshold` of the largest count as none (0: what rounding leaves).
+Eigen::VectorXd LeastSquares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double threshold = 0);
+/// x that a·x comes nearest to b for, by QR with pivots; empty where a is not of full column rank.
+std::optional<Eigen::VectorXd> LeastSquaresOfFullRank(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+
 /// R of a = Q·R (Householder), of as many rows as a has columns; a has no fewer rows than columns.
 Eigen::MatrixXd TriangleOf(const Eigen::MatrixXd& a);
 /// R⁻¹ of an upper triangle.
 Eigen::MatrixXd InverseOfTriangle(const Eigen::MatrixXd& R);
 /// By LU with all pivots.
+Eigen::Vector3d Solve3(const Eigen::Matrix3d& a, const Eigen::Vector3d& b);
 double DeterminantOf(const Eigen::MatrixXd& a);
 
 }  // namespace millpose

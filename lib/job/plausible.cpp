@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job/plausible.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "base/decompositions.hpp"
 #include "base/shown.hpp"
 #include "base/units.hpp"
 #include "job/assemble.hpp"
@@ -176,9 +176,7 @@ double DeflectionAtHome(const Judged& judged, double force) {
                                  Eigen::Vector3d::UnitZ(), judged.settings.characteristic_length,
                                  MakeCompliancesAtHome(judged.settings))
                         .C;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(C.topLeftCorner<3, 3>(),
-                                                              Eigen::EigenvaluesOnly);
-  return force * solver.eigenvalues().maxCoeff();
+  return force * EigenOfSymmetric3(C.topLeftCorner<3, 3>()).values.maxCoeff();
 }
 
 void JudgeForce(const Judged& judged, std::vector<Doubt>& doubts) {

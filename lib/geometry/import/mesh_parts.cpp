@@ -80,7 +80,7 @@ double RadiusOf(const std::vector<Eigen::Vector2d>& points) {
     A += row * row.transpose();
     b += row * q.squaredNorm();
   }
-  const Eigen::Vector3d x = A.fullPivLu().solve(b);
+  const Eigen::Vector3d x = Solve3(A, b);
   const double squared = x[2] + x.head<2>().squaredNorm();
   if (!(squared > 0)) return 0;
   const double radius = std::sqrt(squared);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/decompositions.hpp"
 #include "base/trig.hpp"
 #include "geometry/mesh/corner_normals.hpp"
 
@@ -67,8 +68,8 @@ Eigen::Vector3d FittedNormals::At(const Eigen::Vector3d& p, int face, const Eige
   }
   const Eigen::MatrixXd weighted = weights.asDiagonal() * terms;
   const Eigen::VectorXd wanted = weights.cwiseProduct(heights);
-  const Eigen::VectorXd plane = weighted.leftCols(3).completeOrthogonalDecomposition().solve(wanted);
-  const Eigen::VectorXd fit = weighted.completeOrthogonalDecomposition().solve(wanted);
+  const Eigen::VectorXd plane = LeastSquares(weighted.leftCols(3), wanted);
+  const Eigen::VectorXd fit = LeastSquares(weighted, wanted);
   const double off_plane = (weighted.leftCols(3) * plane - wanted).norm();
   const double off_fit = (weighted * fit - wanted).norm();
   if (off_fit > std::max(kScatter * off_plane, kRounding * wanted.size())) return rough;

@@ -44,11 +44,25 @@ AxisConvention AxisConvention::OfSigns(const std::array<double, 6>& signs, const
   return {Matrix6(diagonal.asDiagonal()), offset};
 }
 
+Joints AxisConvention::FromArm(const Joints& arm) const { return matrix_ * arm + offset_; }
+
+Joints AxisConvention::ToArm(const Joints& counted) const { return inverse_ * (counted - offset_); }
+
 AxisConvention AxisConvention::After(const AxisConvention& inner) const {
   return {matrix_ * inner.matrix_, matrix_ * inner.offset_ + offset_};
 }
 
 AxisConvention AxisConvention::Inverse() const { return {inverse_, -(inverse_ * offset_)}; }
+
+Matrix6 AxisConvention::CountJacobian(const Matrix6& by_arm) const { return by_arm * inverse_; }
+
+Joints AxisConvention::CountTorques(const Joints& about_arm) const {
+  return inverse_.transpose() * about_arm;
+}
+
+Matrix6 AxisConvention::ArmStiffness(const Matrix6& of_counted) const {
+  return matrix_.transpose() * of_counted * matrix_;
+}
 
 AxisConvention InnerConvention(const Arm& arm) { return AxisConvention::OfSigns(arm.sign, arm.offset); }
 

@@ -24,8 +24,8 @@ class AxisConvention {
   const Joints& offset() const { return offset_; }
 
   /// The arm's angles as they are counted here, and back; rad.
-  Joints FromArm(const Joints& arm) const { return matrix_ * arm + offset_; }
-  Joints ToArm(const Joints& counted) const { return inverse_ * (counted - offset_); }
+  Joints FromArm(const Joints& arm) const;
+  Joints ToArm(const Joints& counted) const;
 
   /// First `inner`, then this: Count(q) = this->Count(inner.FromArm(q)).
   AxisConvention After(const AxisConvention& inner) const;
@@ -33,12 +33,12 @@ class AxisConvention {
   AxisConvention Inverse() const;
 
   /// The same Jacobian by the angles counted here: J' dA' = J dA.
-  Matrix6 CountJacobian(const Matrix6& by_arm) const { return by_arm * inverse_; }
+  Matrix6 CountJacobian(const Matrix6& by_arm) const;
   /// The same torques (N·mm) about the axes as they are counted here, by the transpose: τ'·dA' = τ·dA.
-  Joints CountTorques(const Joints& about_arm) const { return inverse_.transpose() * about_arm; }
+  Joints CountTorques(const Joints& about_arm) const;
   /// Stiffness (N·mm/rad) about the arm's axes of springs that act on the angles counted here: Mᵀ·K·M, since
   /// τ = Mᵀ·τ'.
-  Matrix6 ArmStiffness(const Matrix6& of_counted) const { return matrix_.transpose() * of_counted * matrix_; }
+  Matrix6 ArmStiffness(const Matrix6& of_counted) const;
 
  private:
   Matrix6 matrix_, inverse_;

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <map>
 
+#include "base/decompositions.hpp"
 #include "base/student.hpp"
 
 namespace millpose {
@@ -26,11 +26,11 @@ struct Fit {
 };
 
 std::optional<Fit> Solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
   Fit fit;
   fit.freedom = static_cast<double>(A.rows() - A.cols());
-  if (qr.rank() < A.cols() || fit.freedom < 1) return std::nullopt;
-  fit.coefficients = qr.solve(b);
+  const std::optional<Eigen::VectorXd> solution = LeastSquaresOfFullRank(A, b);
+  if (!solution || fit.freedom < 1) return std::nullopt;
+  fit.coefficients = *solution;
   const double square = (b - A * fit.coefficients).squaredNorm();
   const double all = (b.array() - b.mean()).square().sum();
   fit.residual = std::sqrt(square / fit.freedom);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "planning/face/arm_geometry.hpp"
 
+#include "base/decompositions.hpp"
 #include "base/units.hpp"
 #include "machine/motion/rotation_vector.hpp"
 #include "machine/robot/angles.hpp"
@@ -50,10 +51,7 @@ MeasuredFrame FrameByArm(const std::vector<OffPlace>& places) {
     rows.block<1, 3>(i, 3) = ((place.position - frame.centre) / size).cross(place.normal).transpose();
     off[i] = place.normal.dot(place.off.head<3>());
   }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> fit;
-  fit.setThreshold(1e-6);
-  fit.compute(rows);
-  frame.twist = fit.solve(off);
+  frame.twist = LeastSquares(rows, off, 1e-6);
   frame.twist.tail<3>() /= size;
   return frame;
 }

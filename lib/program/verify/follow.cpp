@@ -15,10 +15,13 @@ constexpr double kNoLength = 1e-6;  // mm: such a segment only turns
 double AngleBetweenAxes(const Vector3d& a, const Vector3d& b) { return Atan2(a.cross(b).norm(), a.dot(b)); }
 
 /// The part of the rotation from a to b that turns about the tool axis: between a's x and b's x once b's axis
-/// is tilted back onto a's.
+/// is tilted back onto a's, the shorter way round. Of axes that point against each other there is no shorter
+/// way: then as if none were tilted.
 double AngleAboutAxis(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  const Eigen::Matrix3d back = Eigen::Quaterniond::FromTwoVectors(b.col(2), a.col(2)).toRotationMatrix();
-  return AngleBetweenAxes(a.col(0), back * b.col(0));
+  const Vector3d across = b.col(2).cross(a.col(2)), x = b.col(0), moved = across.cross(x);
+  const double divisor = 1 + b.col(2).dot(a.col(2));
+  const bool against = divisor < 1e-12;
+  return AngleBetweenAxes(a.col(0), against ? x : Vector3d(x + moved + across.cross(moved) / divisor));
 }
 
 PathDeviation Apart(const Pose& place, const Pose& pose, size_t segment) {

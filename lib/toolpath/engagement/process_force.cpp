@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/engagement/process_force.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cassert>
 #include <limits>
 
+#include "base/decompositions.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
 
@@ -124,7 +124,7 @@ std::optional<FaceDeflection> OverFace(const std::vector<FacePoint>& points) {
     A.row(i) << 1, (point.position - centre).transpose();
     b[i] = point.deflection;
   }
-  const Eigen::VectorXd rest = b - A * A.completeOrthogonalDecomposition().solve(b);
+  const Eigen::VectorXd rest = b - A * LeastSquares(A, b);
   result.variation = rest.maxCoeff() - rest.minCoeff();
   result.largest_step = LargestStep(points);
   return result;
