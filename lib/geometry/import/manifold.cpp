@@ -22,14 +22,20 @@ class ManifoldMaker {
     // material.
     PairPlain(sides);
     Turn(Orientations());
-    PairOthers();
-    Turn(Orientations());
+    if (crowded_) {
+      PairOthers();
+      Turn(Orientations());
+    }
     SplitVertices();
   }
+
+  /// The side over the same edge, by side, of what Run() has left.
+  const std::vector<Side>& partners() const { return partner_; }
 
  private:
   void PairPlain(const std::vector<EdgeSide>& sides) {
     ForEachEdge(sides, [&](size_t begin, size_t end) {
+      crowded_ = crowded_ || end - begin > 2;
       if (end - begin != 2) return;
       partner_[sides[begin].side] = sides[begin + 1].side;
       partner_[sides[begin + 1].side] = sides[begin].side;
@@ -156,7 +162,7 @@ class ManifoldMaker {
       counts_.non_manifold_vertices = doubled_before;
       Triangles apart = WithFansApart();
       std::vector<Side> crowded;
-      const std::vector<EdgeSide> sides = SortedSides(apart);
+      const std::vector<EdgeSide> sides = crowded_ ? SortedSides(apart) : std::vector<EdgeSide>();
       ForEachEdge(sides, [&](size_t begin, size_t end) {
         if (end - begin <= 2) return;
         bool keeps = true;  // the edge is the first pair's, or an open side's
@@ -213,14 +219,16 @@ class ManifoldMaker {
   RepairCounts& counts_;
   std::vector<Side> partner_;  // the side of the neighbour over the same edge
   std::vector<int> piece_;     // of each face
+  bool crowded_ = false;       // edges of more than two triangles: where there are none, none come
   std::vector<int> fan_;       // union-find over corners
 };
 
 }  // namespace
 
 void MakeManifold(Triangles& mesh, RepairCounts& counts) {
-  ManifoldMaker(mesh, counts).Run();
-  counts.turned_pieces += TurnPiecesOutside(mesh);
+  ManifoldMaker maker(mesh, counts);
+  maker.Run();
+  counts.turned_pieces += TurnPiecesOutside(maker.partners(), mesh);
 }
 
 }  // namespace millpose

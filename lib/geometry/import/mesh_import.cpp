@@ -27,8 +27,9 @@ void MeasureRims(const Mesh& mesh, ImportReport& report) {
   }
 }
 
-void MeasurePieces(const Triangles& mesh, ImportReport& report) {
-  for (const ConnectedPiece& piece : PiecesOf(mesh)) {
+void MeasurePieces(const Mesh& finished, ImportReport& report) {
+  const Triangles& mesh = finished.triangles();
+  for (const ConnectedPiece& piece : PiecesOf(finished)) {
     double area = 0;
     for (const int face : piece.faces) {
       const auto& [a, b, c] = mesh.faces[face];
@@ -113,7 +114,7 @@ ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::st
   result.report.lower = box.min();
   result.report.upper = box.max();
   MeasureRims(result.mesh, result.report);
-  MeasurePieces(done, result.report);
+  MeasurePieces(result.mesh, result.report);
   for (size_t i = 0; i < done.source_faces.size(); ++i)
     if (done.source_faces[i].lost) result.report.lost_faces.push_back(DescribeLost(done, i));
   result.report.crossings = FindSelfCrossings(

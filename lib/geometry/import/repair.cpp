@@ -152,8 +152,9 @@ class FlatRemoval {
   std::vector<EdgeSide> sides_;
 };
 
-// Removes flat triangles in rounds. The first `originals` faces are those that were read.
-void RemoveFlat(Triangles& mesh, double tolerance, size_t& originals, RepairCounts& counts) {
+// Removes flat triangles in rounds; whether there were any. The first `originals` faces are those that were
+// read.
+bool RemoveFlat(Triangles& mesh, double tolerance, size_t& originals, RepairCounts& counts) {
   constexpr int kRounds = 256;  // chains of flat triangles need one each; what is left then is only removed
   const size_t before = originals;
   for (int round = 0; round < kRounds; ++round) {
@@ -161,7 +162,7 @@ void RemoveFlat(Triangles& mesh, double tolerance, size_t& originals, RepairCoun
     originals -= originals_removed;
     if (removed == 0) {
       counts.degenerate += before - originals;
-      return;
+      return round > 0;
     }
   }
   size_t left = originals;
@@ -172,6 +173,7 @@ void RemoveFlat(Triangles& mesh, double tolerance, size_t& originals, RepairCoun
   });
   originals = left;
   counts.degenerate += before - originals;
+  return true;
 }
 
 }  // namespace
@@ -180,11 +182,12 @@ void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts) {
   counts.degenerate += EraseFaces(mesh, [&](size_t f) { return HasRepeatedVertex(mesh.faces[f]); });
   constexpr int kPasses = 8;  // a crack may show when the flat triangles beside it are gone
   size_t originals = mesh.faces.size();
-  for (int pass = 0; pass < kPasses; ++pass) {
+  bool changed = true;  // since cracks were looked for
+  for (int pass = 0; pass < kPasses && changed; ++pass) {
     const size_t split = CloseTJunctions(mesh, tolerance);
     counts.t_junctions += split;
     if (pass > 0 && split == 0) return;
-    RemoveFlat(mesh, tolerance, originals, counts);
+    changed = RemoveFlat(mesh, tolerance, originals, counts) || split > 0;
   }
 }
 

@@ -6,7 +6,7 @@
 
 #include <numeric>
 
-#include "geometry/mesh/openmesh_adapter.hpp"
+#include "geometry/mesh/mesh_impl.hpp"
 
 namespace millpose {
 namespace {
@@ -81,9 +81,13 @@ SelfCrossings FindSelfCrossings(const Mesh& mesh, const std::vector<int>& body_o
     }
     return c;
   };
-  const auto box = [&](int face) {
-    Eigen::AlignedBox3d b(mesh.Corner(face, 0));
-    return b.extend(mesh.Corner(face, 1)).extend(mesh.Corner(face, 2));
+  using Boxes = std::vector<Eigen::AlignedBox3d>;
+  const auto boxes_of = [&](std::span<const int> leaf, Boxes& boxes) {
+    boxes.clear();
+    for (const int face : leaf) {
+      boxes.emplace_back(mesh.Corner(face, 0));
+      boxes.back().extend(mesh.Corner(face, 1)).extend(mesh.Corner(face, 2));
+    }
   };
   // A sound mesh has some 7 tests and 100 looks at boxes a triangle.
   const size_t faces = triangles.faces.size();
@@ -92,18 +96,26 @@ SelfCrossings FindSelfCrossings(const Mesh& mesh, const std::vector<int>& body_o
   // apart by exact numbers alone, at microseconds a pair.
   constexpr size_t kMostPairs = 20'000;
   SelfCrossings found;
-  mesh.impl().tree.ForEachPair([&](int a, int b) {
-    if (looks_left == 0 || tests_left == 0 || found.pairs == kMostPairs) {
-      found.complete = false;
-      return false;
-    }
-    --looks_left;
-    if (!box(a).intersects(box(b)) || apart(a, b)) return true;
-    --tests_left;
-    if (!Meet(corners(a), corners(b))) return true;
-    const int first = std::min(a, b);
-    if (found.pairs++ == 0)
-      found.place = (mesh.Corner(first, 0) + mesh.Corner(first, 1) + mesh.Corner(first, 2)) / 3;
+  Boxes left_boxes, right_boxes;
+  mesh.impl().tree.ForEachLeafPair([&](std::span<const int> left, std::span<const int> right) {
+    const bool same = left.data() == right.data();
+    boxes_of(left, left_boxes);
+    boxes_of(right, right_boxes);
+    for (size_t i = 0; i < left.size(); ++i)
+      for (size_t k = same ? i + 1 : 0; k < right.size(); ++k) {
+        if (looks_left == 0 || tests_left == 0 || found.pairs == kMostPairs) {
+          found.complete = false;
+          return false;
+        }
+        --looks_left;
+        const int a = left[i], b = right[k];
+        if (!left_boxes[i].intersects(right_boxes[k]) || apart(a, b)) continue;
+        --tests_left;
+        if (!Meet(corners(a), corners(b))) continue;
+        const int first = std::min(a, b);
+        if (found.pairs++ == 0)
+          found.place = (mesh.Corner(first, 0) + mesh.Corner(first, 1) + mesh.Corner(first, 2)) / 3;
+      }
     return true;
   });
   return found;

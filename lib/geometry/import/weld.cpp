@@ -48,7 +48,15 @@ class Grid {
     return nearest;
   }
 
+  // The kept vertex of a body at the very place, if it is among those added last; else -1. A file repeats its
+  // vertices mostly soon.
+  int Recent(const Eigen::Vector3d& p, int body, const std::vector<Eigen::Vector3d>& kept) const {
+    const int vertex = recent_[RecentSlot(p)];
+    return vertex >= 0 && kept[vertex] == p && body_[vertex] == body ? vertex : -1;
+  }
+
   void Add(int vertex, int body, const Eigen::Vector3d& p) {
+    recent_[RecentSlot(p)] = vertex;
     const size_t slot = Slot(CellOf(p));
     next_.push_back(heads_[slot]);
     body_.push_back(body);
@@ -61,11 +69,18 @@ class Grid {
     return {static_cast<int64_t>(std::floor(scaled.x())), static_cast<int64_t>(std::floor(scaled.y())),
             static_cast<int64_t>(std::floor(scaled.z()))};
   }
+  static size_t RecentSlot(const Eigen::Vector3d& p) {
+    const auto bits = [&](int k) { return std::bit_cast<uint64_t>(p[k]); };
+    return Mix(bits(0) + 3 * bits(1) + 5 * bits(2)) % kRecent;
+  }
   size_t Slot(const Cell& cell) const { return Hash(cell) & (heads_.size() - 1); }
+
+  static constexpr size_t kRecent = 1 << 14;
 
   double edge_;
   Eigen::Vector3d origin_;
   std::vector<int> heads_;
+  std::vector<int> recent_ = std::vector<int>(kRecent, -1);
   std::vector<int> next_, body_;  // by vertex
 };
 
@@ -92,7 +107,8 @@ Triangles Weld(const Triangles& soup, double tolerance, WeldCounts* counts, cons
       int& to = target[face[corner]];
       const Eigen::Vector3d& p = soup.vertices[face[corner]];
       if (to < 0) {
-        to = grid.Nearest(p, body, tolerance, welded.vertices);
+        to = grid.Recent(p, body, welded.vertices);
+        if (to < 0) to = grid.Nearest(p, body, tolerance, welded.vertices);
         if (to < 0) {
           to = static_cast<int>(welded.vertices.size());
           grid.Add(to, body, p);

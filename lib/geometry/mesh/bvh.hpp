@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace millpose {
@@ -53,6 +54,19 @@ class Bvh {
   /// Calls `visit(a, b)` for each two primitives of leaves whose boxes meet, once, until it returns false.
   template <typename Visit>
   void ForEachPair(Visit visit) const {
+    ForEachLeafPair([&](std::span<const int> left, std::span<const int> right) {
+      const bool same = left.data() == right.data();
+      for (size_t i = 0; i < left.size(); ++i)
+        for (size_t k = same ? i + 1 : 0; k < right.size(); ++k)
+          if (!visit(left[i], right[k])) return false;
+      return true;
+    });
+  }
+
+  /// Calls `visit(left, right)` with the primitives of each two leaves whose boxes meet, once, and of each
+  /// leaf with itself, until it returns false.
+  template <typename Visit>
+  void ForEachLeafPair(Visit visit) const {
     std::vector<std::pair<int, int>> stack;
     if (!nodes_.empty()) stack.emplace_back(0, 0);
     while (!stack.empty()) {
@@ -61,7 +75,7 @@ class Bvh {
       const Node &left = nodes_[a], &right = nodes_[b];
       if (a != b && !left.box.intersects(right.box)) continue;
       if (left.count > 0 && right.count > 0) {
-        if (!VisitLeaves(left, right, a == b, visit)) return;
+        if (!visit(PrimitivesOf(left), PrimitivesOf(right))) return;
       } else if (a == b) {
         stack.insert(
             stack.end(),
@@ -85,12 +99,8 @@ class Bvh {
     int count = 0;  // primitives of a leaf; 0 for an inner node
   };
 
-  template <typename Visit>
-  bool VisitLeaves(const Node& left, const Node& right, bool same, Visit& visit) const {
-    for (int i = 0; i < left.count; ++i)
-      for (int k = same ? i + 1 : 0; k < right.count; ++k)
-        if (!visit(order_[left.first + i], order_[right.first + k])) return false;
-    return true;
+  std::span<const int> PrimitivesOf(const Node& leaf) const {
+    return std::span(order_).subspan(static_cast<size_t>(leaf.first), static_cast<size_t>(leaf.count));
   }
 
   void Build(int node, int first, int count, const std::vector<Eigen::AlignedBox3d>& boxes);

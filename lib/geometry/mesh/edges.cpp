@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/mesh/edges.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 #include <tuple>
 
 namespace millpose {
@@ -29,6 +32,22 @@ std::vector<EdgeSide> SortedSides(const Triangles& mesh) {
                 return std::tie(a.high, a.side) < std::tie(b.high, b.side);
               });
   return sides;
+}
+
+std::vector<Side> PartnersOf(const Triangles& manifold) {
+  std::vector<Side> partners(3 * manifold.faces.size(), kNoSide);
+  const std::vector<EdgeSide> sides = SortedSides(manifold);
+  const auto start = [&](Side side) { return manifold.faces[FaceOf(side)][CornerOf(side)]; };
+  ForEachEdge(sides, [&](size_t begin, size_t end) {
+    if (end - begin == 1) return;
+    const Side a = sides[begin].side, b = sides[begin + 1].side;
+    if (end - begin > 2 || start(a) == start(b))
+      throw std::logic_error(fmt::format("face {} ({}) does not fit into the manifold", FaceOf(b),
+                                         fmt::join(manifold.faces[FaceOf(b)], ", ")));
+    partners[a] = b;
+    partners[b] = a;
+  });
+  return partners;
 }
 
 }  // namespace millpose

@@ -24,6 +24,10 @@ struct EdgeSide {
 /// All sides sorted by edge, then by number: the sides of one edge stand together.
 std::vector<EdgeSide> SortedSides(const Triangles& mesh);
 
+/// The side over the same edge, by side; kNoSide at rims. An edge of more than two sides, or of two that do
+/// not run against each other, is a bug (std::logic_error with the face).
+std::vector<Side> PartnersOf(const Triangles& manifold);
+
 /// Calls `visit(begin, end)` (indices into `sides`) for each edge.
 template <typename Visit>
 void ForEachEdge(const std::vector<EdgeSide>& sides, Visit visit) {

@@ -2,34 +2,28 @@
 #include "geometry/mesh/mesh.hpp"
 
 #include "geometry/mesh/edges.hpp"
-#include "geometry/mesh/openmesh_adapter.hpp"
+#include "geometry/mesh/mesh_impl.hpp"
 #include "geometry/mesh/triangle.hpp"
 
 namespace millpose {
 namespace {
 
-void FillOpenMesh(const Triangles& triangles, OpenMeshTriangles& mesh) {
-  mesh.reserve(triangles.vertices.size(), triangles.faces.size() * 3 / 2, triangles.faces.size());
-  for (const auto& p : triangles.vertices) mesh.add_vertex({p.x(), p.y(), p.z()});
-  for (size_t f = 0; f < triangles.faces.size(); ++f) {
-    const auto& [a, b, c] = triangles.faces[f];
-    const auto handle =
-        mesh.add_face(OpenMesh::VertexHandle(a), OpenMesh::VertexHandle(b), OpenMesh::VertexHandle(c));
-    if (handle.idx() != static_cast<int>(f))
-      throw std::logic_error(fmt::format("face {} ({}, {}, {}) does not fit into the manifold", f, a, b, c));
-  }
+std::vector<std::array<int, 3>> NeighboursOf(const Triangles& triangles) {
+  const std::vector<Side> partners = PartnersOf(triangles);
+  std::vector<std::array<int, 3>> neighbours(triangles.faces.size());
+  for (size_t side = 0; side < partners.size(); ++side)
+    neighbours[side / 3][side % 3] = partners[side] == kNoSide ? -1 : FaceOf(partners[side]);
+  return neighbours;
 }
 
-std::vector<std::array<int, 3>> NeighboursOf(const Triangles& triangles) {
-  std::vector<std::array<int, 3>> neighbours(triangles.faces.size(), {-1, -1, -1});
-  const std::vector<EdgeSide> sides = SortedSides(triangles);
-  ForEachEdge(sides, [&](size_t begin, size_t end) {
-    if (end - begin != 2) return;
-    const Side a = sides[begin].side, b = sides[begin + 1].side;
-    neighbours[FaceOf(a)][CornerOf(a)] = FaceOf(b);
-    neighbours[FaceOf(b)][CornerOf(b)] = FaceOf(a);
-  });
-  return neighbours;
+std::vector<Eigen::AlignedBox3d> BoxesOf(const Triangles& triangles) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  boxes.reserve(triangles.faces.size());
+  for (const auto& [a, b, c] : triangles.faces) {
+    boxes.emplace_back(triangles.vertices[a]);
+    boxes.back().extend(triangles.vertices[b]).extend(triangles.vertices[c]);
+  }
+  return boxes;
 }
 
 bool RayMeets(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
@@ -50,19 +44,14 @@ Mesh::Mesh(Triangles manifold) {
   auto impl = std::make_shared<Impl>();
   impl->triangles = std::move(manifold);
   const Triangles& triangles = impl->triangles;
-  FillOpenMesh(triangles, impl->open_mesh);
   impl->neighbours = NeighboursOf(triangles);
+  impl->tree = Bvh(BoxesOf(triangles));
   impl->face_normals.reserve(triangles.faces.size());
-  std::vector<Eigen::AlignedBox3d> boxes;
-  boxes.reserve(triangles.faces.size());
   for (const auto& [a, b, c] : triangles.faces) {
     const Eigen::Vector3d &pa = triangles.vertices[a], &pb = triangles.vertices[b],
                           &pc = triangles.vertices[c];
     impl->face_normals.push_back((pb - pa).cross(pc - pa).normalized());
-    boxes.emplace_back(pa);
-    boxes.back().extend(pb).extend(pc);
   }
-  impl->tree = Bvh(boxes);
   impl_ = std::move(impl);
 }
 

@@ -20,7 +20,8 @@ struct SurfacePoint {
 /// vertices keep the numbers of the triangles that it was made from. Safe to ask from many threads.
 class Mesh {
  public:
-  /// `manifold` as MakeManifold leaves it; anything else is a bug (std::logic_error with the face).
+  /// `manifold` as MakeManifold leaves it; an edge of more than two faces, or of two that do not run against
+  /// each other there, is a bug (std::logic_error with the face).
   explicit Mesh(Triangles manifold);
 
   const Triangles& triangles() const;

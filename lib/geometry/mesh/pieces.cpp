@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/mesh/pieces.hpp"
 
-#include "geometry/mesh/edges.hpp"
 #include "geometry/mesh/triangle.hpp"
 
 namespace millpose {
@@ -9,16 +8,33 @@ namespace {
 
 const Eigen::Vector3d kSkew(0.5773, 0.2113, 0.7887);  // unlikely to lie in a face of a part
 
-// The side over the same edge, by side; kNoSide at rims.
-std::vector<Side> Partners(const Triangles& manifold) {
-  std::vector<Side> partner(3 * manifold.faces.size(), kNoSide);
-  const std::vector<EdgeSide> sides = SortedSides(manifold);
-  ForEachEdge(sides, [&](size_t begin, size_t end) {
-    if (end - begin != 2) return;
-    partner[sides[begin].side] = sides[begin + 1].side;
-    partner[sides[begin + 1].side] = sides[begin].side;
+// By `neighbour(face, k)`: the face over its side k, negative at a rim.
+template <typename NeighbourOf>
+std::vector<ConnectedPiece> Grow(size_t faces, const NeighbourOf& neighbour) {
+  std::vector<char> seen(faces, 0);
+  std::vector<ConnectedPiece> pieces;
+  for (size_t seed = 0; seed < faces; ++seed) {
+    if (seen[seed] != 0) continue;
+    seen[seed] = 1;
+    ConnectedPiece& piece = pieces.emplace_back();
+    piece.faces.push_back(static_cast<int>(seed));
+    for (size_t head = 0; head < piece.faces.size(); ++head)
+      for (int k = 0; k < 3; ++k) {
+        const int other = neighbour(piece.faces[head], k);
+        piece.closed = piece.closed && other >= 0;
+        if (other < 0 || seen[other] != 0) continue;
+        seen[other] = 1;
+        piece.faces.push_back(other);
+      }
+  }
+  return pieces;
+}
+
+std::vector<ConnectedPiece> PiecesOf(const std::vector<Side>& partners) {
+  return Grow(partners.size() / 3, [&](int face, int k) {
+    const Side other = partners[3 * face + k];
+    return other == kNoSide ? -1 : FaceOf(other);
   });
-  return partner;
 }
 
 void Turn(const ConnectedPiece& piece, Triangles& mesh) {
@@ -73,29 +89,13 @@ class Body {
 
 }  // namespace
 
-std::vector<ConnectedPiece> PiecesOf(const Triangles& manifold) {
-  const std::vector<Side> partner = Partners(manifold);
-  std::vector<char> seen(manifold.faces.size(), 0);
-  std::vector<ConnectedPiece> pieces;
-  for (size_t seed = 0; seed < manifold.faces.size(); ++seed) {
-    if (seen[seed] != 0) continue;
-    seen[seed] = 1;
-    ConnectedPiece& piece = pieces.emplace_back();
-    piece.faces.push_back(static_cast<int>(seed));
-    for (size_t head = 0; head < piece.faces.size(); ++head)
-      for (int k = 0; k < 3; ++k) {
-        const Side other = partner[3 * piece.faces[head] + k];
-        piece.closed = piece.closed && other != kNoSide;
-        if (other == kNoSide || seen[FaceOf(other)] != 0) continue;
-        seen[FaceOf(other)] = 1;
-        piece.faces.push_back(FaceOf(other));
-      }
-  }
-  return pieces;
+std::vector<ConnectedPiece> PiecesOf(const Mesh& mesh) {
+  return Grow(static_cast<size_t>(mesh.face_count()),
+              [&](int face, int k) { return mesh.Neighbour(face, k); });
 }
 
-size_t TurnPiecesOutside(Triangles& manifold) {
-  const std::vector<ConnectedPiece> pieces = PiecesOf(manifold);
+size_t TurnPiecesOutside(const std::vector<Side>& partners, Triangles& manifold) {
+  const std::vector<ConnectedPiece> pieces = PiecesOf(partners);
   std::vector<const ConnectedPiece*> closed;
   std::vector<Body> bodies;
   for (const ConnectedPiece& piece : pieces) {
@@ -117,7 +117,7 @@ size_t TurnPiecesOutside(Triangles& manifold) {
 
 size_t FlipOpenPieces(Triangles& manifold) {
   size_t flipped = 0;
-  for (const ConnectedPiece& piece : PiecesOf(manifold)) {
+  for (const ConnectedPiece& piece : PiecesOf(PartnersOf(manifold))) {
     if (piece.closed) continue;
     Turn(piece, manifold);
     flipped += piece.faces.size();

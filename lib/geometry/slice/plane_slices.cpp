@@ -3,7 +3,7 @@
 
 // The OpenMesh adapters of CGAL must come before its algorithms.
 // clang-format off
-#include "geometry/mesh/openmesh_adapter.hpp"
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <CGAL/boost/graph/graph_traits_TriMesh_ArrayKernelT.h>
 #include <CGAL/boost/graph/properties_TriMesh_ArrayKernelT.h>
 #include <CGAL/AABB_halfedge_graph_segment_primitive.h>
@@ -14,8 +14,21 @@
 // clang-format on
 
 #include "base/parallel.hpp"
+#include "geometry/mesh/mesh_impl.hpp"
 
 namespace millpose {
+
+struct OpenMeshTraits : OpenMesh::DefaultTraits {
+  using Point = OpenMesh::Vec3d;
+  using Normal = OpenMesh::Vec3d;
+};
+using OpenMeshTriangles = OpenMesh::TriMesh_ArrayKernelT<OpenMeshTraits>;
+
+/// A mesh as CGAL's slicer takes it, with the same numbers of vertices and faces.
+struct HalfedgeMesh {
+  OpenMeshTriangles open_mesh;
+};
+
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -23,6 +36,27 @@ using Slicer = CGAL::Polygon_mesh_slicer<OpenMeshTriangles, Kernel>;
 using Polyline = std::vector<Kernel::Point_3>;
 
 Eigen::Vector3d ToEigen(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
+
+std::shared_ptr<const HalfedgeMesh> MakeHalfedges(const Triangles& triangles) {
+  auto made = std::make_shared<HalfedgeMesh>();
+  OpenMeshTriangles& mesh = made->open_mesh;
+  mesh.reserve(triangles.vertices.size(), triangles.faces.size() * 3 / 2, triangles.faces.size());
+  for (const auto& p : triangles.vertices) mesh.add_vertex({p.x(), p.y(), p.z()});
+  for (size_t f = 0; f < triangles.faces.size(); ++f) {
+    const auto& [a, b, c] = triangles.faces[f];
+    const auto handle =
+        mesh.add_face(OpenMesh::VertexHandle(a), OpenMesh::VertexHandle(b), OpenMesh::VertexHandle(c));
+    if (handle.idx() != static_cast<int>(f))
+      throw std::logic_error(fmt::format("face {} ({}, {}, {}) does not fit into the manifold", f, a, b, c));
+  }
+  return made;
+}
+
+const OpenMeshTriangles& HalfedgesOf(const Mesh& mesh) {
+  const Mesh::Impl& impl = mesh.impl();
+  std::call_once(impl.halfedges_made, [&] { impl.halfedges = MakeHalfedges(impl.triangles); });
+  return impl.halfedges->open_mesh;
+}
 
 // The face that a segment lies in, and the one on the other side when it lies on an edge.
 CurvePiece PieceOn(const Mesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -67,8 +101,7 @@ Curve ToCurve(const Mesh& mesh, const Eigen::Vector3d& normal, const Polyline& p
 
 std::vector<std::vector<Curve>> SliceByPlanes(const Mesh& mesh, const Eigen::Vector3d& normal,
                                               const std::vector<double>& offsets, std::stop_token stop) {
-  const OpenMeshTriangles& open_mesh = mesh.impl().open_mesh;
-  Slicer slicer(open_mesh);
+  Slicer slicer(HalfedgesOf(mesh));
   std::vector<std::vector<Curve>> slices;
   for (const double offset : offsets) {
     CheckStop(stop);

@@ -187,8 +187,10 @@ TEST(GeneticSearch, FindsLeansThatTheTableDoesNotLeadTo) {
   double genetic = 0, table = 0, judge = 0;
   int found = 0;
   for (uint64_t k = 0; k < 30; ++k) {
-    const MillingPoint point = PanelPoint(random.Uniform(-450, 450), random.Uniform(-300, 300),
-                                          random.Uniform(1500, 2200), random.Uniform(700, 1500));
+    // One draw a statement: the order of arguments is the compiler's.
+    const double height = random.Uniform(700, 1500), front = random.Uniform(1500, 2200);
+    const double z = random.Uniform(-300, 300), y = random.Uniform(-450, 450);
+    const MillingPoint point = PanelPoint(y, z, front, height);
     const PointScorer scorer(problem, point, Vector3d::UnitZ());
     const GeneticOptions options;
     const PointOptimum refined = RefineTable(scorer, CandidateTable::OfSize(scorer, options.table));
