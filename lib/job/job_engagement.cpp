@@ -67,6 +67,16 @@ Toolpath Milled(const JobInputs& inputs, const PlanResult& plan, bool skipped) {
   return milled;
 }
 
+/// Whether two paths without missing points take the same off.
+bool CutAlike(const Toolpath& a, const Toolpath& b) {
+  const auto points = [](const MillingPoint& x, const MillingPoint& y) {
+    return IsSamePlace(x, y) && x.feed == y.feed && x.feed_rate == y.feed_rate;
+  };
+  return std::ranges::equal(a.passes, b.passes, [&](const Pass& x, const Pass& y) {
+    return x.closed == y.closed && std::ranges::equal(x.points, y.points, points);
+  });
+}
+
 size_t CountSkipped(const PlanResult& plan) {
   size_t count = 0;
   for (const PassResult& pass : plan.passes) count += CountSkipped(pass);
@@ -137,18 +147,30 @@ class MissingMaterial {
 
 }  // namespace
 
-size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, const Execution& execution,
-                        PlanResult& plan) {
-  if (!FollowsFromPath(inputs) || inputs.job.over_missing == OverMissing::kCut) return 0;
+const Toolpath& MissingCuts::Whole(const EngagementOptions& options, const PlanResult& plan) {
+  Toolpath whole = Milled(inputs_, plan, false);
+  if (!whole_ || !CutAlike(*whole_, whole)) {
+    SetEngagement(options, execution_.Threads(), execution_.stop, whole);
+    whole_ = std::move(whole);
+  }
+  return *whole_;
+}
+
+Toolpath MissingCuts::Now(const EngagementOptions& options, const PlanResult& plan) {
+  const Toolpath& whole = Whole(options, plan);
+  Toolpath now = Milled(inputs_, plan, true);
+  SetEngagementBesideMissing(options, whole, execution_.Threads(), execution_.stop, now);
+  return now;
+}
+
+size_t MissingCuts::LeaveOut(PlanResult& plan) {
+  if (!FollowsFromPath(inputs_) || inputs_.job.over_missing == OverMissing::kCut) return 0;
   if (CountSkipped(plan) == 0) return 0;
-  const EngagementOptions options = MakeEngagementOptions(inputs, mesh);
-  Toolpath whole = Milled(inputs, plan, false);
-  SetEngagement(options, execution.Threads(), execution.stop, whole);
-  const Largest largest(whole);
+  const EngagementOptions options = MakeEngagementOptions(inputs_, mesh_);
+  const Largest largest(Whole(options, plan));
   size_t left_out = 0;
   for (;;) {
-    Toolpath now = Milled(inputs, plan, true);
-    SetEngagement(options, execution.Threads(), execution.stop, now);
+    const Toolpath now = Now(options, plan);
     const MissingMaterial missing(plan, now, largest);
     std::vector<std::tuple<size_t, int, std::string>> pieces;
     for (size_t p = 0; p < plan.passes.size(); ++p)
@@ -158,20 +180,18 @@ size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, const Executi
     if (pieces.empty()) return left_out;
     // From the last to the first: leaving one out renumbers those after it in its pass.
     for (auto at = pieces.rbegin(); at != pieces.rend(); ++at)
-      LeaveOut(plan.passes[std::get<0>(*at)], std::get<1>(*at), Infeasibility::kOverMissing,
-               std::get<2>(*at));
+      millpose::LeaveOut(plan.passes[std::get<0>(*at)], std::get<1>(*at), Infeasibility::kOverMissing,
+                         std::get<2>(*at));
     left_out += pieces.size();
   }
 }
 
-std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, const Execution& execution,
-                            PlanResult& plan) {
+std::string MissingCuts::Count(PlanResult& plan) {
   constexpr double kMore = 1.2;  // times the force that was planned for: worth telling
-  if (!inputs.job.cutting || Drills(inputs)) return "";
+  if (!inputs_.job.cutting || Drills(inputs_)) return "";
   const size_t skipped = CountSkipped(plan);
   if (skipped == 0) return "";
-  Toolpath milled = Milled(inputs, plan, true);
-  SetEngagement(MakeEngagementOptions(inputs, mesh), execution.Threads(), execution.stop, milled);
+  Toolpath milled = Now(MakeEngagementOptions(inputs_, mesh_), plan);
   for (size_t p = 0; p < plan.passes.size(); ++p) Move(plan, plan.passes[p], false, milled.passes[p]);
   size_t more = 0, over = 0;
   double most = 0;

@@ -8,6 +8,7 @@
 #include "geometry/mesh/mesh.hpp"
 #include "job/inputs.hpp"
 #include "planning/result/plan_result.hpp"
+#include "toolpath/engagement/engagement.hpp"
 #include "toolpath/engagement/process_force.hpp"
 #include "toolpath/milling_point.hpp"
 
@@ -27,20 +28,34 @@ std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh
 void SetEngagementOf(const std::vector<std::vector<char>>& of, const JobInputs& inputs, const Mesh& mesh,
                      const Execution& execution, Toolpath& toolpath);
 
-/// Leaves out the pieces of a plan that would cut more than 20 % wider or deeper than any of the job's own
-/// cuts because points before them are not milled, and what lies over them in turn (`path.over_missing`).
-/// Returns how many pieces.
-size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, const Execution& execution,
-                        PlanResult& plan);
-
 /// At how many entries a tool that does not cut at its centre comes down on material, as far as the job says
 /// what it cuts; empty where at none.
 std::string EntriesOnMaterial(const JobInputs& inputs, const Mesh& mesh, const PlanResult& plan);
 
-/// Works the engagement of a plan's points out anew where the planner had to skip some: what they leave
-/// standing is cut by the passes beside them. Poses stay as planned. What the operator should know of it, or
-/// empty.
-std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, const Execution& execution,
-                            PlanResult& plan);
+/// What follows where the planner had to skip points of a plan: what they leave standing is cut by the passes
+/// beside them. What all points would take off together is worked out once, and again where a plan's points
+/// are others. The job, the mesh and the execution outlive it. Throws Interrupted.
+class MissingCuts {
+ public:
+  MissingCuts(const JobInputs& inputs, const Mesh& mesh, const Execution& execution)
+      : inputs_(inputs), mesh_(mesh), execution_(execution) {}
+
+  /// Leaves out the pieces that would cut more than 20 % wider or deeper than any of the job's own cuts
+  /// because points before them are not milled, and what lies over them in turn (`path.over_missing`).
+  /// Returns how many pieces.
+  size_t LeaveOut(PlanResult& plan);
+  /// Works the engagement of the plan's points out anew; poses stay as planned. What the operator should know
+  /// of it, or empty.
+  std::string Count(PlanResult& plan);
+
+ private:
+  const Toolpath& Whole(const EngagementOptions& options, const PlanResult& plan);
+  Toolpath Now(const EngagementOptions& options, const PlanResult& plan);
+
+  const JobInputs& inputs_;
+  const Mesh& mesh_;
+  const Execution& execution_;
+  std::optional<Toolpath> whole_;  ///< in P, nothing skipped
+};
 
 }  // namespace millpose

@@ -2,10 +2,12 @@
 #include "toolpath/engagement/engagement.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 #include "base/parallel.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
+#include "geometry/mesh/bvh.hpp"
 #include "toolpath/engagement/drilled.hpp"
 
 namespace millpose {
@@ -21,6 +23,11 @@ constexpr double kAcross = 0.1;  // cosine of normal and axis: below it the cutt
 
 /// The edge of a contour has its normal across the tool's axis: depth then counts along the axis.
 bool MillsWithItsSide(const MillingPoint& point) { return point.normal.dot(point.tool_axis) < kAcross; }
+
+/// How much farther up the axis than elsewhere it is asked what stands at a point.
+double AskedAbove(const EngagementOptions& options, const MillingPoint& point) {
+  return MillsWithItsSide(point) ? options.edge.cutter.length : 0.0;
+}
 
 /// A point's cut as it is worked out.
 struct PointCut {
@@ -42,14 +49,14 @@ class Cutting {
       return cut;
     }
     const bool side = MillsWithItsSide(point);
-    const double length = options_.edge.cutter.length;
-    SweptPath::Near before = swept_.Before(number, point.position, point.normal, side ? length : 0.0);
+    SweptPath::Near before = swept_.Before(number, point.position, point.normal, AskedAbove(options_, point));
     const InMaterial stands = [&](const Vector3d& place) {
       // In this order: what was milled before costs less to ask than the stock.
       return !swept_.Removed(before, place) && options_.stock(place);
     };
-    cut.slices = side ? SliceEdge(options_.edge.cutter, length, options_.depth / kStepsOfDepth)
-                      : Slices(point, HeightAt(point, cut.stance, stands));
+    cut.slices =
+        side ? SliceEdge(options_.edge.cutter, options_.edge.cutter.length, options_.depth / kStepsOfDepth)
+             : Slices(point, HeightAt(point, cut.stance, stands));
     cut.arcs = EngagedArcs(cut.slices, cut.stance, stands);
     return cut;
   }
@@ -159,6 +166,44 @@ void SetEngagement(const EngagementOptions& options, int threads, const std::sto
       point->engagement = cutting.EngagementOf(*point, cutting.CutAt(*point, at));
     }
   });
+}
+
+namespace {
+
+/// Boxes of the tips on all motions from and to points with a gouge.
+std::vector<Eigen::AlignedBox3d> MissingMotions(const Toolpath& toolpath) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const Pass& pass : toolpath.passes) {
+    const size_t count = pass.points.size();
+    for (size_t i = 0; i < count; ++i) {
+      const size_t next = i + 1 < count ? i + 1 : pass.closed ? 0 : i;
+      if (!(pass.points[i].gouge > 0) && !(pass.points[next].gouge > 0)) continue;
+      boxes.emplace_back(pass.points[i].position);
+      boxes.back().extend(pass.points[next].position);
+    }
+  }
+  return boxes;
+}
+
+}  // namespace
+
+void SetEngagementBesideMissing(const EngagementOptions& options, const Toolpath& whole, int threads,
+                                const std::stop_token& stop, Toolpath& toolpath) {
+  assert(!options.drill);
+  const Bvh missing(options.stated ? std::vector<Eigen::AlignedBox3d>() : MissingMotions(toolpath));
+  std::vector<std::vector<char>> of;
+  for (size_t p = 0; p < toolpath.passes.size(); ++p) {
+    std::vector<MillingPoint>& points = toolpath.passes[p].points;
+    std::vector<char>& anew = of.emplace_back(points.size(), 0);
+    for (size_t t = 0; t < points.size(); ++t) {
+      points[t].engagement = points[t].gouge > 0 ? Engagement() : whole.passes[p].points[t].engagement;
+      if (points[t].gouge > 0) continue;
+      const Vector3d reach =
+          Vector3d::Constant(SweptPath::Reach(options.edge.cutter, AskedAbove(options, points[t])));
+      missing.ForEachIn({points[t].position - reach, points[t].position + reach}, [&](int) { anew[t] = 1; });
+    }
+  }
+  SetEngagement(options, threads, stop, toolpath, of);
 }
 
 double EngagementOptions::FactorOf(CutSide side) const {

@@ -91,7 +91,7 @@ void SweptPath::Build(int stretch, int first, int count) {
 
 SweptPath::Near SweptPath::Before(size_t number, const Eigen::Vector3d& place, const Eigen::Vector3d& normal,
                                   double above) const {
-  Near near{number, place, normal, 2 * cutter_.radius + above, {}};
+  Near near{number, place, normal, Reach(cutter_, above), {}};
   const Eigen::AlignedBox3d about = BoxAbout(place, near.reach);
   // Short enough that most of what is asked about a stretch is answered for all of it.
   const double is_short = cutter_.radius / 4;

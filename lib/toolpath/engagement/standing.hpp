@@ -38,7 +38,9 @@ class SweptPath {
     double reach = 0;               ///< mm along each axis of P: no motion whose tips are farther matters
     std::vector<int> stretches;     ///< of the path; first the one that has taken a place last
   };
-  /// `above`, mm: how much farther up the tool's axis than that it is asked about.
+  /// Near::reach. `above`, mm: how much farther up the tool's axis than the cutter's radius it is asked
+  /// about.
+  static double Reach(const CutterShape& cutter, double above) { return 2 * cutter.radius + above; }
   Near Before(size_t number, const Eigen::Vector3d& place, const Eigen::Vector3d& normal,
               double above = 0) const;
   /// Whether any of it has taken `place` off, which is no farther from the point than the cutter's radius.

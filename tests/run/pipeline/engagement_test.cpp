@@ -77,8 +77,8 @@ TEST(SetJobEngagement, DoesNothingWithoutAWordOnWhatIsCut) {
     for (const MillingPoint& point : pass.points) EXPECT_EQ(point.engagement.width, 4);
   PlanResult plan = Wide().AsPlanned();
   Skip(plan.passes[0]);
-  EXPECT_EQ(CountWhatIsLeft(inputs, Wide().mesh(), {.threads = 2}, plan), "");
-  EXPECT_EQ(LeaveOverMissing(inputs, Wide().mesh(), {.threads = 2}, plan), 0u);
+  EXPECT_EQ(MissingCuts(inputs, Wide().mesh(), {.threads = 2}).Count(plan), "");
+  EXPECT_EQ(MissingCuts(inputs, Wide().mesh(), {.threads = 2}).LeaveOut(plan), 0u);
   EXPECT_EQ(EntriesOnMaterial(inputs, Wide().mesh(), plan), "");
 }
 
@@ -127,7 +127,7 @@ TEST(SetJobEngagement, AStatedSideHoldsEverywhere) {
     }
   PlanResult plan = slot.AsPlanned();
   Skip(plan.passes[0]);
-  EXPECT_EQ(LeaveOverMissing(slot.inputs, slot.mesh(), {.threads = 2}, plan), 0u)
+  EXPECT_EQ(MissingCuts(slot.inputs, slot.mesh(), {.threads = 2}).LeaveOut(plan), 0u)
       << "nothing is taken from the stock";
 }
 
@@ -168,20 +168,20 @@ TEST(SetJobEngagement, WhatCannotBeOrContradictsThePathIsNamed) {
   expect({{"process.stock", "mesh"}}, "process.stock: given mesh; the job needs workpiece.stock");
 }
 
-TEST(CountWhatIsLeft, SaysNothingWhereNothingIsSkippedAndChangesNothing) {
+TEST(MissingCuts, SaysNothingWhereNothingIsSkippedAndChangesNothing) {
   PlanResult plan = Wide().AsPlanned();
   const std::string before = Serialise(plan);
-  EXPECT_EQ(CountWhatIsLeft(Wide().inputs, Wide().mesh(), {.threads = 2}, plan), "");
-  EXPECT_EQ(LeaveOverMissing(Wide().inputs, Wide().mesh(), {.threads = 2}, plan), 0u);
+  EXPECT_EQ(MissingCuts(Wide().inputs, Wide().mesh(), {.threads = 2}).Count(plan), "");
+  EXPECT_EQ(MissingCuts(Wide().inputs, Wide().mesh(), {.threads = 2}).LeaveOut(plan), 0u);
   EXPECT_EQ(Serialise(plan), before);
 }
 
 // What a pass leaves standing the one after it has to take: its forces rise, those before it stay.
-TEST(CountWhatIsLeft, TheNeighbourOfASkippedPassCutsMore) {
+TEST(MissingCuts, TheNeighbourOfASkippedPassCutsMore) {
   PlanResult plan = Wide().AsPlanned();
   Skip(plan.passes[3]);
   const PlanResult before = plan;
-  const std::string told = CountWhatIsLeft(Wide().inputs, Wide().mesh(), {.threads = 2}, plan);
+  const std::string told = MissingCuts(Wide().inputs, Wide().mesh(), {.threads = 2}).Count(plan);
   EXPECT_TRUE(told.starts_with("5 points are skipped, and the material that they leave is cut at ")) << told;
   for (const size_t same : {0u, 1u, 2u, 6u, 9u}) {
     const auto was = ForcesOfPass(before.passes[same]), is = ForcesOfPass(plan.passes[same]);
@@ -192,22 +192,22 @@ TEST(CountWhatIsLeft, TheNeighbourOfASkippedPassCutsMore) {
   EXPECT_EQ(plan.passes[4].points[2].point.position, before.passes[4].points[2].point.position);
   // Whatever number of threads works it out.
   PlanResult alone = before;
-  EXPECT_EQ(CountWhatIsLeft(Wide().inputs, Wide().mesh(), {.threads = 1}, alone), told);
+  EXPECT_EQ(MissingCuts(Wide().inputs, Wide().mesh(), {.threads = 1}).Count(alone), told);
   EXPECT_EQ(Serialise(alone), Serialise(plan));
 }
 
-TEST(LeaveOverMissing, LeavesOutWhatWouldCutMuchWiderThanTheJobsOwnCuts) {
+TEST(MissingCuts, LeavesOutWhatWouldCutMuchWiderThanTheJobsOwnCuts) {
   PlanResult plan = Wide().AsPlanned();
   for (const size_t p : {3u, 4u}) Skip(plan.passes[p]);
   const double own = plan.passes[0].points[2].point.engagement.width;
   PlanResult cut = plan;
   JobInputs inputs = Wide().inputs;
   inputs.job.over_missing = OverMissing::kCut;
-  EXPECT_EQ(LeaveOverMissing(inputs, Wide().mesh(), {.threads = 2}, cut), 0u);
+  EXPECT_EQ(MissingCuts(inputs, Wide().mesh(), {.threads = 2}).LeaveOut(cut), 0u);
   EXPECT_EQ(Serialise(cut), Serialise(plan));
-  const size_t left_out = LeaveOverMissing(Wide().inputs, Wide().mesh(), {.threads = 2}, plan);
+  const size_t left_out = MissingCuts(Wide().inputs, Wide().mesh(), {.threads = 2}).LeaveOut(plan);
   // Until every cut that is left is no more than a fifth wider than the job's widest.
-  CountWhatIsLeft(Wide().inputs, Wide().mesh(), {.threads = 2}, plan);
+  MissingCuts(Wide().inputs, Wide().mesh(), {.threads = 2}).Count(plan);
   size_t pieces = 0, next_to_skipped = 0;
   for (const PassResult& pass : plan.passes) {
     pieces += pass.pieces.size();

@@ -388,5 +388,50 @@ TEST(Engagement, AStatedSideAndWidthTakeTheStocksPlace) {
   EXPECT_GT(heaviest.peak, heaviest.mean.norm());
 }
 
+// What is worked out beside missing points alone is what all points come to: of lines, a ring and a wall that
+// is milled with the cutter's side, above and below one another, of whose points some are missing.
+TEST(Engagement, BesideMissingPointsIsThatOfThePathWithoutThem) {
+  const EngagementOptions options = Flat();
+  std::vector<Vector2d> ring;
+  for (int i = 0; i < 40; ++i)
+    ring.emplace_back(30 + 12 * std::cos(i * kPi / 20), 22 + 12 * std::sin(i * kPi / 20));
+  Toolpath whole;
+  for (int i = 0; i < 7; ++i)
+    whole.passes.push_back(PassAlong(Line({-3, 3.0 + 6 * i}, {63, 3.0 + 6 * i}), false, 0.5));
+  whole.passes.push_back(PassAlong(ring, true));
+  whole.passes.push_back(PassAlong(Line({2, 0}, {2, 45}, 1)));
+  whole.passes.push_back(PassAlong(Line({58, 45}, {58, 0}, 1)));
+  for (MillingPoint& point : whole.passes.back().points) point.normal = {-1, 0, 0};
+  SetEngagement(options, 2, {}, whole);
+  uint64_t state = 12345;
+  const auto draw = [&](uint64_t below) {
+    return ((state = state * 6364136223846793005u + 1442695040888963407u) >> 33) % below;
+  };
+  size_t alike = 0, others = 0;
+  for (int trial = 0; trial < 12; ++trial) {
+    Toolpath missing = whole;
+    for (int run = 0; run < 4; ++run) {
+      std::vector<MillingPoint>& points = missing.passes[draw(missing.passes.size())].points;
+      const size_t first = draw(points.size()), length = 1 + draw(8);
+      for (size_t i = first; i < std::min(points.size(), first + length); ++i) points[i].gouge = 1;
+    }
+    Toolpath all = missing;
+    SetEngagement(options, 2, {}, all);
+    SetEngagementBesideMissing(options, whole, 2, {}, missing);
+    for (size_t p = 0; p < all.passes.size(); ++p)
+      for (size_t i = 0; i < all.passes[p].points.size(); ++i) {
+        const Engagement &found = missing.passes[p].points[i].engagement,
+                         &plain = all.passes[p].points[i].engagement;
+        ASSERT_EQ(found.force, plain.force) << trial << ' ' << p << ' ' << i;
+        ASSERT_EQ(found.width, plain.width);
+        ASSERT_EQ(found.depth, plain.depth);
+        ASSERT_EQ(found.side, plain.side);
+        (plain.force == whole.passes[p].points[i].engagement.force ? alike : others) += 1;
+      }
+  }
+  EXPECT_GT(others, 300u);
+  EXPECT_GT(alike, 1000u);
+}
+
 }  // namespace
 }  // namespace millpose

@@ -156,9 +156,9 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
         "are compared (arm.limits_deg, limits.joints_deg)",
         narrowed));
   const LinkMoveOptions options = MakeLinkMoveOptions(inputs.job);
+  MissingCuts missing(inputs, job.prepared.surface.mesh, execution);
   const auto leave_over_missing = [&] {
-    return LeaveIncomplete(job.prepared.toolpath, plan.passes) +
-           LeaveOverMissing(inputs, job.prepared.surface.mesh, execution, plan);
+    return LeaveIncomplete(job.prepared.toolpath, plan.passes) + missing.LeaveOut(plan);
   };
   const Stations as_it_is = StationsAsItIs(inputs, job.prepared.stations);
   const auto plan_gaps = [&] {
@@ -190,7 +190,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   execution.progress.Begin("fixed rotations", 0);
   job.fixed = KeptComparison(inputs, job.prepared, plan.passes, checkpoints, execution);
   execution.progress.End(fmt::format("{} points compared", job.fixed.plan.size()));
-  const std::string left = CountWhatIsLeft(inputs, job.prepared.surface.mesh, execution, plan);
+  const std::string left = missing.Count(plan);
   if (!left.empty()) job.prepared.warnings.push_back(left);
   const std::string entries = EntriesOnMaterial(inputs, job.prepared.surface.mesh, plan);
   if (!entries.empty()) job.prepared.warnings.push_back(entries);
