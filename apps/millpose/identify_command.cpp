@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/loose_file.hpp"
+#include "base/rounded.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
 #include "identify_compliances.hpp"
@@ -197,7 +198,7 @@ void WriteCellFile(const IdentifyWords& options, const Task& task, const Identif
       kept += fmt::format(" A{}", j + 1);
   }
   // Four digits: no identification carries more.
-  for (double& stiffness : written.stiffness) stiffness = std::stod(fmt::format("{:.4g}", stiffness));
+  for (double& stiffness : written.stiffness) stiffness = WithDigits(stiffness, 4);
   written.source = "millpose identify " + std::filesystem::path(options.file).filename().string();
   if (!kept.empty()) written.source += ", but as before:" + kept;
   EditLooseFile(options.write_cell, [&](const std::string& text) {

@@ -11,6 +11,7 @@
 #include "base/file.hpp"
 #include "base/loose_file.hpp"
 #include "base/random.hpp"
+#include "base/rounded.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
 #include "job/assemble.hpp"
@@ -113,16 +114,14 @@ double Readable(size_t component, double value) { return component < 3 ? value :
 double Rounded(double value, double deviation) {
   int decimals = 0;
   for (double step = 1; step > 0.01 * deviation && decimals < 9; step /= 10) ++decimals;
-  return std::stod(fmt::format("{:.{}f}", value, decimals)) + 0.0;  // no -0
+  return WithDecimals(value, decimals);
 }
 
 /// The 95 % interval of what is left along one direction, mm.
 double UncertaintyOf(const GeometryFit& fit) { return kWithin95 * fit.left_out() / std::sqrt(3.0); }
 
 /// To a nm and a nrad: the parts of a pattern cancel each other to a thousandth.
-double Written(size_t component, double value) {
-  return std::stod(fmt::format("{:.6f}", Readable(component, value))) + 0.0;  // no -0
-}
+double Written(size_t component, double value) { return WithDecimals(Readable(component, value), 6); }
 
 std::vector<DeviationPattern> PatternsOf(const GeometryFit& fit) {
   std::vector<DeviationPattern> patterns;
@@ -137,7 +136,7 @@ std::vector<DeviationPattern> PatternsOf(const GeometryFit& fit) {
       one.turns.push_back(rounded(3, pattern.turn[frame]) / 1000);
     }
     for (const JointCoupling& pair : pattern.law.couplings)
-      one.factors.push_back(std::stod(fmt::format("{:.10f}", pair.factor)) + 0.0);
+      one.factors.push_back(WithDecimals(pair.factor, 10));
   }
   return patterns;
 }
@@ -158,7 +157,7 @@ DeviationSettings DeviationsOf(const GeometryFit& fit, const GeometryWords& word
     found.couplings.push_back({joint, follows, Rounded(fit.Coupling(k).value, fit.Coupling(k).alone)});
   }
   found.patterns = PatternsOf(fit);
-  found.uncertainty = std::stod(fmt::format("{:.2g}", UncertaintyOf(fit)));
+  found.uncertainty = WithDigits(UncertaintyOf(fit), 2);
   std::vector<std::string> names;
   for (const std::string& file : words.files)
     names.push_back(std::filesystem::path(file).filename().string());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The keys of a measurements file, and the CSV form of it.
 #include "base/csv.hpp"
+#include "base/rounded.hpp"
 #include "base/yaml/edit.hpp"
 #include "job/config/config.hpp"
 #include "job/config/fields.hpp"
@@ -282,7 +283,7 @@ std::string ReplaceCompliances(const std::string& cell_yaml, const std::string& 
           "count them twice; allowed: a cell without them, or --springs, which finds the joints' alone");
   }
   if (found.empty() && entries.size() == (standing ? standing->items.size() : 0)) return cell_yaml;
-  const auto digits = [](double value) { return std::stod(fmt::format("{:.3g}", value)); };
+  const auto digits = [](double value) { return WithDigits(value, 3); };
   for (ComplianceSettings one : found) {
     one.name = std::string(kOwn) + one.name;
     one.translational = one.translational.unaryExpr(digits);

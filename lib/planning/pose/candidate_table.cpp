@@ -36,6 +36,8 @@ std::vector<double> OwnGrid(const Freedom& freedom) {
 void CheckSize(const std::vector<std::vector<double>>& values) {
   double settings = 1;
   for (const std::vector<double>& of : values) settings *= static_cast<double>(of.size());
+  constexpr double kAnyMachineHas = 1e6;  // bytes; the machine is asked at microseconds a time
+  if (CandidateTable::BytesOf(settings) < kAnyMachineHas) return;
   const double bytes = CandidateTable::BytesOf(settings), most = MachineMemory() / 2;
   if (bytes > most || settings > std::numeric_limits<uint32_t>::max())
     throw InputError({}, fmt::format("path.rotation_step_deg and the steps of toolpath's freedoms: one point "

@@ -2,204 +2,21 @@
 #include "run/placement/place_score.hpp"
 
 #include <numeric>
-#include <tuple>
 
 #include "base/parallel.hpp"
 #include "job/assemble.hpp"
 #include "machine/collision/point_memory.hpp"
 #include "machine/robot/make_pose.hpp"
 #include "planning/links/retract.hpp"
-#include "planning/pose/candidate_table.hpp"
 #include "planning/pose/lean_problem.hpp"
+#include "run/placement/branch_ladder.hpp"
 #include "run/placement/sample.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kRotationStep = DegToRad(5);
-constexpr size_t kMostLooks = 64;  // at one point on one branch for interference, from its best candidate on
-constexpr size_t kReach = 6;       // rotation steps between neighbouring sampled points
-constexpr size_t kPart = 8;        // passes that share a checker
-
-/// The points of a pass, all on one branch.
-struct BranchScore {
-  std::vector<ScoredPoint> points;
-  size_t free = 0;
-  double worst = 0;
-};
-
-bool IsBetter(const BranchScore& a, const BranchScore& b) {
-  return a.free != b.free ? a.free > b.free : a.worst < b.worst;
-}
-
-constexpr double kNone = std::numeric_limits<double>::infinity();
-
-/// A pass on one branch: of each point one rotation, not far from those of its neighbours, the worst point
-/// first, then the sum.
-class BranchLadder {
- public:
-  BranchLadder(const AdmissibleBounds& bounds, const std::vector<CandidateTable>& tables, size_t branch)
-      : bounds_(bounds), tables_(tables) {
-    for (const CandidateTable& table : tables) {
-      Layer layer{std::vector<Node>(table.settings())};
-      for (size_t i = 0; i < table.entries().size(); ++i) {
-        const CandidateTable::Entry& entry = table.entries()[i];
-        if (entry.branch != branch) continue;
-        layer.nodes[entry.setting] = {entry.objective, i};
-      }
-      layers_.push_back(std::move(layer));
-    }
-  }
-
-  /// Interference left aside.
-  BranchScore Bound() const { return Result(Choose()); }
-
-  /// What is asked of candidates: whether the arm may stand so, and whether it can leave a pass there, which
-  /// costs far more.
-  struct Looks {
-    std::function<bool(size_t point, const Joints& q, const FreedomValues& freedoms)> stands;
-    std::function<bool(size_t point, const Joints& q)> leaves;
-  };
-  /// Looked at for interference; something no better than `best` where it cannot be better.
-  BranchScore Score(const Looks& look, const std::optional<BranchScore>& best) {
-    size_t looks = 0;
-    const auto stands = [&](size_t t, const Node& node, size_t setting) {
-      ++looks;
-      return look.stands(t, tables_[t].entries()[node.entry].q, tables_[t].Setting(setting));
-    };
-    const auto leaves = [&](size_t t, const Node& node, size_t) {
-      return look.leaves(t, tables_[t].entries()[node.entry].q);
-    };
-    while (true) {
-      const std::vector<Choice> chosen = Choose();
-      const BranchScore bound = Result(chosen);
-      // Where all points are free no pass that is broken or lacks one is better, and each node less makes the
-      // worst of the others no less.
-      if (best && best->free == layers_.size() && !IsBetter(bound, *best)) return bound;
-      if (AllAre(&Node::stands, chosen, stands) && AllAre(&Node::leaves, chosen, leaves)) return bound;
-      if (looks > kMostLooks * layers_.size()) return Result(std::vector<Choice>(layers_.size()));
-    }
-  }
-
- private:
-  static constexpr size_t kNoSetting = std::numeric_limits<size_t>::max();
-  struct Node {
-    double objective = kNone;
-    size_t entry = 0;
-    bool stands = false, leaves = false;  ///< free of interference, as looked at
-  };
-  struct Layer {
-    std::vector<Node> nodes;
-    bool blocked = false;  ///< some node interferes
-  };
-  struct Cost {
-    size_t breaks = 0;
-    double worst = kNone, sum = kNone;
-    bool any() const { return worst < kNone; }
-    bool operator<(const Cost& other) const {  // what is none comes last
-      if (any() != other.any()) return any();
-      return std::tie(breaks, worst, sum) < std::tie(other.breaks, other.worst, other.sum);
-    }
-  };
-  /// What is chosen of a layer. A pass that no way leads along is broken: there the tool is lifted.
-  struct Choice {
-    size_t setting = kNoSetting;
-    bool after_break = false;
-  };
-
-  /// Looks at those of the chosen nodes that it is not known of, and takes out the others; returns whether
-  /// none was taken out.
-  template <class Look>
-  bool AllAre(bool Node::*what, const std::vector<Choice>& chosen, const Look& look) {
-    bool all = true;
-    for (size_t t = 0; t < layers_.size(); ++t) {
-      const size_t setting = chosen[t].setting;
-      if (setting == kNoSetting) continue;
-      Node& node = layers_[t].nodes[setting];
-      if (node.*what) continue;
-      node.*what = look(t, node, setting);
-      if (node.*what) continue;
-      all = false;
-      node.objective = kNone;
-      layers_[t].blocked = true;
-    }
-    return all;
-  }
-
-  /// Of every layer; no setting where no node is left.
-  std::vector<Choice> Choose() const {
-    std::vector<size_t> used;
-    for (size_t t = 0; t < layers_.size(); ++t)
-      if (std::ranges::any_of(layers_[t].nodes, [](const Node& node) { return node.objective < kNone; }))
-        used.push_back(t);
-    std::vector<Choice> chosen(layers_.size());
-    if (used.empty()) return chosen;
-    const size_t count = layers_.front().nodes.size();
-    std::vector<std::vector<Choice>> from(used.size(), std::vector<Choice>(count));
-    std::vector<Cost> before(count, Cost{0, 0, 0}), now(count);
-    for (size_t u = 0; u < used.size(); ++u) {
-      const std::vector<Node>& nodes = layers_[used[u]].nodes;
-      const size_t reach = u == 0 ? 0 : kReach;
-      const auto least = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
-      for (size_t s = 0; s < count; ++s) {
-        now[s] = {};
-        if (nodes[s].objective == kNone) continue;
-        size_t best = kNoSetting;
-        for (size_t d = 0; d <= 2 * reach; ++d) {
-          const size_t other = (s + count + d - reach) % count;
-          if (before[other].any() && (best == kNoSetting || before[other] < before[best]) &&
-              (u == 0 || Leads(used[u - 1], other, used[u], s)))
-            best = other;
-        }
-        const bool broken = best == kNoSetting || before[least].breaks + 1 < before[best].breaks;
-        if (broken) best = least;
-        from[u][s] = {best, broken};
-        now[s] = {before[best].breaks + (broken ? 1 : 0), std::max(before[best].worst, nodes[s].objective),
-                  before[best].sum + nodes[s].objective};
-      }
-      std::swap(before, now);
-    }
-    auto s = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
-    for (size_t u = used.size(); u-- > 0;) {
-      chosen[used[u]] = {s, from[u][s].after_break};
-      s = from[u][s].setting;
-    }
-    return chosen;
-  }
-
-  /// Whether the joints can go from a node of layer t to one of layer u without a limit between them. An axis
-  /// with far more than a turn goes round as far as it must.
-  bool Leads(size_t t, size_t from, size_t u, size_t to) const {
-    const Joints& q0 = tables_[t].entries()[layers_[t].nodes[from].entry].q;
-    const Joints& q1 = tables_[u].entries()[layers_[u].nodes[to].entry].q;
-    for (int j = 0; j < 6; ++j)
-      if (std::abs(q1[j] - q0[j]) > kPi && bounds_.upper[j] - bounds_.lower[j] < 3 * kPi) return false;
-    return true;
-  }
-
-  BranchScore Result(const std::vector<Choice>& chosen) const {
-    BranchScore score;
-    for (size_t t = 0; t < layers_.size(); ++t) {
-      const Choice& choice = chosen[t];
-      if (choice.setting != kNoSetting && choice.after_break) {
-        score.points.push_back({Infeasibility::kStep, 0});
-      } else if (choice.setting != kNoSetting) {
-        score.points.push_back({Infeasibility::kNone, layers_[t].nodes[choice.setting].objective});
-        ++score.free;
-        score.worst = std::max(score.worst, score.points.back().objective);
-      } else if (tables_[t].entries().empty()) {
-        score.points.push_back({tables_[t].reason(), 0});
-      } else {
-        score.points.push_back({layers_[t].blocked ? Infeasibility::kInterference : Infeasibility::kStep, 0});
-      }
-    }
-    return score;
-  }
-
-  const AdmissibleBounds& bounds_;
-  const std::vector<CandidateTable>& tables_;
-  std::vector<Layer> layers_;
-};
+constexpr size_t kPart = 8;  // passes that share a checker
 
 /// What a pass is scored with.
 struct PassScorer {
