@@ -179,7 +179,10 @@ Panel MakePanel(const PanelSize& size, const std::string& job) {
                             : checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
   panel.timeline = MakeTimeline(plan, {}, {});
   const Stations stations(world, panel.problem);
-  panel.nearest = FindNearestPairs(plan, stations, {.threads = 2});
+  panel.nearest =
+      FindNearestPairs(plan, {.threads = 2}, [&](const PassResult& pass, const std::vector<size_t>& points) {
+        return FindPairsOfPoints(pass, points, stations, {.threads = 1});
+      });
   panel.curves = SampleCurves(plan, stations, {}, 4000, {.threads = 2});
   panel.map = MakeAxisMap(plan, stations, panel.curves, false, {.threads = 2});
   panel.settings = "job: |\n  " + job + "\ntoolpath: {stepover_mm: 8}\n";

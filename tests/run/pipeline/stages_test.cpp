@@ -132,7 +132,10 @@ TEST(FindReach, TellsWhatForbidsAPointThatHasNoPose) {
 
 TEST(NearestPairs, AreThoseOfThePoses) {
   const PlannedJob& job = FreshPlan();
-  const NearestPairs pairs = FindNearestPairs(job.plan, job.prepared.stations, {.threads = 2});
+  const auto find = [&](const PassResult& pass, const std::vector<size_t>& points) {
+    return FindPairsOfPoints(pass, points, job.prepared.stations, {.threads = 1});
+  };
+  const NearestPairs pairs = FindNearestPairs(job.plan, {.threads = 2}, find);
   ASSERT_EQ(pairs.size(), 6u);
   Checker checker(job.prepared.world);
   uint32_t number = 0;
@@ -148,7 +151,7 @@ TEST(NearestPairs, AreThoseOfThePoses) {
     }
   PlanResult skipped = job.plan;
   skipped.passes[0].points[1].skip = Infeasibility::kLimit;
-  EXPECT_FALSE(FindNearestPairs(skipped, job.prepared.stations, {.threads = 1}).contains(1));
+  EXPECT_FALSE(FindNearestPairs(skipped, {.threads = 1}, find).contains(1));
 }
 
 TEST(SampleCurves, HoldEveryPoseOfTheGridAsTheScorerHasIt) {
