@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks that the sources keep to the architecture. Usage: architecture.py TOP; prints what breaks a rule, status 1."""
+import ast
 import re
 import sys
 from pathlib import Path
@@ -26,6 +27,9 @@ COMMENT_OR_STRING = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"', re.DOT
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 SOURCE_SUFFIXES = {".cpp", ".hpp", ".py", ".sh", ".cmake", ".js", ".mjs", ".css", ".m"}
 SKIPPED_FOLDERS = {".git", "build", "node_modules", "vendor"}
+# Modules of Python that Debian packages bring; tests of the slow tier alone skip what is not installed.
+PYTHON_PACKAGES = {"gcode": "linuxcnc-uspace", "numpy": "python3-numpy", "yaml": "python3-yaml"}
+SLOW_PYTHON = {"vtkmodules"}
 
 
 # A type defined at namespace scope, not one of another's members.
@@ -172,7 +176,22 @@ def check_licence(top):
             yield f"{file.relative_to(top)}: the first line is not the SPDX line"
 
 
-CHECKS = [check_modules, check_rooms, check_one_definition, check_judge, check_headers, check_files, check_same_bytes, check_licence]
+def check_python(top):
+    """A machine of a developer has more modules than one with packages.txt alone."""
+    files = [file for file in sorted(top.rglob("*.py")) if not SKIPPED_FOLDERS & set(file.relative_to(top).parts)]
+    listed = (top / "packages.txt").read_text().split("\n") if (top / "packages.txt").exists() else []
+    known = sys.stdlib_module_names | SLOW_PYTHON | {file.stem for file in files} | {file.parent.name for file in files}
+    for file in files:
+        for node in ast.walk(ast.parse(file.read_text())):
+            names = ([alias.name for alias in node.names] if isinstance(node, ast.Import)
+                     else [node.module] if isinstance(node, ast.ImportFrom) and not node.level else [])
+            for name in {name.split(".")[0] for name in names} - known:
+                if PYTHON_PACKAGES.get(name) not in listed:
+                    yield f"{file.relative_to(top)}:{node.lineno}: no package of packages.txt brings {name}"
+
+
+CHECKS = [check_modules, check_rooms, check_one_definition, check_judge, check_headers, check_files, check_same_bytes, check_licence,
+          check_python]
 
 
 def problems(top):

@@ -102,6 +102,14 @@ class Rules(unittest.TestCase):
             write(self.top, "tests/arm_test.cpp", SPDX + other)
             self.expect()
 
+    def test_a_module_of_python_that_no_package_brings(self):
+        spdx = "# SPDX-License-Identifier: GPL-3.0-or-later\n"
+        write(self.top, "tests/helper.py", spdx)
+        write(self.top, "tests/x.py", spdx + "import json\nimport helper\nimport os.path, yaml\nfrom numpy.linalg import inv\n")
+        self.expect("tests/x.py:4: no package of packages.txt brings yaml", "tests/x.py:5: no package of packages.txt brings numpy")
+        write(self.top, "packages.txt", "cmake\npython3-numpy\npython3-yaml\n")
+        self.expect()
+
     def test_missing_licence_line(self):
         write(self.top, "tests/x.py", "#!/usr/bin/env python3\nprint()\n")
         self.expect("SPDX")
