@@ -86,7 +86,7 @@ millpose_setup() {
     millpose_run_logged "configuring" env -C "$top" cmake --preset "$preset"
   fi
   if ! millpose_up_to_date "$build" "$target"; then
-    echo "millpose: compiling; the first time takes about 13 minutes on two cores," >&2
+    echo "millpose: compiling; the first time takes about 10 minutes on two cores," >&2
     echo "millpose: later only what changed is compiled" >&2
     millpose_run_logged "building" millpose_build "$build" "$target"
   fi
