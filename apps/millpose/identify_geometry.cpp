@@ -47,7 +47,7 @@ struct Judged {
 
 double QuantileOf(std::vector<double> values, double share) {
   std::ranges::sort(values);
-  return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+  return values[static_cast<size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
 }
 
 Judged JudgeBy(const GeometryFit& fit, const std::string& file) {

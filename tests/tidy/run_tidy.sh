@@ -13,4 +13,4 @@ mapfile -t files < <(cd "$top" && git ls-files 'lib/*.cpp' 'apps/*.cpp' | grep -
 [ ${#files[@]} -gt 0 ] || { echo "no file matches $only"; exit 1; }
 cd "$top"
 run-clang-tidy -quiet -p "$build" -j "$(nproc)" "-extra-arg=-include$top/lib/base/pch.hpp" -extra-arg=-Wno-unknown-warning-option -extra-arg=-Wno-unknown-pragmas \
-  -extra-arg=-Wno-ignored-attributes -extra-arg=-Wno-c++2b-extensions -extra-arg=-Wno-missing-braces "${files[@]/#/^$top/}" 2>/dev/null
+  -extra-arg=-Wno-unused-command-line-argument -extra-arg=-Wno-ignored-attributes -extra-arg=-Wno-c++2b-extensions -extra-arg=-Wno-missing-braces "${files[@]/#/^$top/}" 2>/dev/null

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "machine/robot/arm.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 

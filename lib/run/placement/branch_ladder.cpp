@@ -70,7 +70,7 @@ BranchScore BranchLadder::Score(const Looks& look, const std::optional<BranchSco
   };
   while (true) {
     const std::vector<Choice> chosen = Choose();
-    const BranchScore bound = Result(chosen);
+    BranchScore bound = Result(chosen);
     // Where all points are free no pass that is broken or lacks one is better, and each node less makes the
     // worst of the others no less.
     if (best && best->free == layers_.size() && !IsBetter(bound, *best)) return bound;
