@@ -52,8 +52,9 @@ std::optional<Eigen::VectorXd> LeastSquaresOfFullRank(const Eigen::MatrixXd& a, 
 Eigen::MatrixXd TriangleOf(const Eigen::MatrixXd& a);
 /// R⁻¹ of an upper triangle.
 Eigen::MatrixXd InverseOfTriangle(const Eigen::MatrixXd& R);
-/// By LU with all pivots.
+/// x of a·x = b, by LU with all pivots.
 Eigen::Vector3d Solve3(const Eigen::Matrix3d& a, const Eigen::Vector3d& b);
+/// By the same.
 double DeterminantOf(const Eigen::MatrixXd& a);
 
 }  // namespace millpose

@@ -52,18 +52,26 @@ void Move(const PlanResult& plan, const PassResult& planned, bool to_part, Pass&
   }
 }
 
-/// The passes of a plan as they mill, in P. `skipped`: what is not cut takes nothing off, else all is cut.
-Toolpath Milled(const JobInputs& inputs, const PlanResult& plan, bool skipped) {
+/// The passes of a plan, in P, as if all their points were milled.
+Toolpath Milled(const JobInputs& inputs, const PlanResult& plan) {
   Toolpath milled;
   for (const PassResult& pass : plan.passes) {
     Pass& own = milled.passes.emplace_back();
     for (const PlannedPoint& planned : pass.points) {
       own.points.push_back(AsLaid(inputs, planned.point));
-      own.points.back().gouge = skipped && planned.skip != Infeasibility::kNone ? 1 : 0;
+      own.points.back().gouge = 0;
     }
     own.closed = pass.pieces.size() == 1 && pass.pieces.front().closed;
     Move(plan, pass, true, own);
   }
+  return milled;
+}
+
+/// What is skipped takes nothing off.
+Toolpath WithoutSkipped(const PlanResult& plan, Toolpath milled) {
+  for (size_t p = 0; p < plan.passes.size(); ++p)
+    for (size_t t = 0; t < plan.passes[p].points.size(); ++t)
+      if (plan.passes[p].points[t].skip != Infeasibility::kNone) milled.passes[p].points[t].gouge = 1;
   return milled;
 }
 
@@ -148,7 +156,7 @@ class MissingMaterial {
 }  // namespace
 
 const Toolpath& MissingCuts::Whole(const EngagementOptions& options, const PlanResult& plan) {
-  Toolpath whole = Milled(inputs_, plan, false);
+  Toolpath whole = Milled(inputs_, plan);
   if (!whole_ || !CutAlike(*whole_, whole)) {
     SetEngagement(options, execution_.Threads(), execution_.stop, whole);
     whole_ = std::move(whole);
@@ -157,9 +165,8 @@ const Toolpath& MissingCuts::Whole(const EngagementOptions& options, const PlanR
 }
 
 Toolpath MissingCuts::Now(const EngagementOptions& options, const PlanResult& plan) {
-  const Toolpath& whole = Whole(options, plan);
-  Toolpath now = Milled(inputs_, plan, true);
-  SetEngagementBesideMissing(options, whole, execution_.Threads(), execution_.stop, now);
+  Toolpath now = WithoutSkipped(plan, Whole(options, plan));
+  SetEngagementBesideMissing(options, execution_.Threads(), execution_.stop, now);
   return now;
 }
 
@@ -234,7 +241,7 @@ std::string EntriesOnMaterial(const JobInputs& inputs, const Mesh& mesh, const P
     number += pass.points.size();
   }
   const std::vector<char> meets =
-      MeetsMaterial(MakeEngagementOptions(inputs, mesh), Milled(inputs, plan, true), entries);
+      MeetsMaterial(MakeEngagementOptions(inputs, mesh), WithoutSkipped(plan, Milled(inputs, plan)), entries);
   const auto count = std::ranges::count(meets, 1);
   if (count == 0) return "";
   const auto worst = static_cast<size_t>(std::ranges::find(meets, 1) - meets.begin());

@@ -55,7 +55,7 @@ class MissingCuts {
   const JobInputs& inputs_;
   const Mesh& mesh_;
   const Execution& execution_;
-  std::optional<Toolpath> whole_;  ///< in P, nothing skipped
+  std::optional<Toolpath> whole_;  ///< in P, nothing skipped; its engagement is set
 };
 
 }  // namespace millpose

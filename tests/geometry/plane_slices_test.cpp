@@ -2,6 +2,7 @@
 #include "geometry/slice/plane_slices.hpp"
 
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "base/units.hpp"
 #include "tests/geometry/shapes.hpp"
 
@@ -77,6 +78,47 @@ TEST(PlaneSlices, StopWhenAsked) {
   EXPECT_THROW(
       SliceByPlanes(SoundMesh(GridShape(1, 1, 1)), Eigen::Vector3d::UnitX(), {0.5}, source.get_token()),
       Interrupted);
+}
+
+// What is sliced is made at the first call, whichever thread makes it.
+TEST(PlaneSlices, AreTheSameFromSeveralThreads) {
+  const std::vector<double> heights{3, 20, 41};
+  const auto slice = [&](const Mesh& mesh) {
+    return SliceByPlanes(mesh, Eigen::Vector3d::UnitZ(), heights, {});
+  };
+  const auto alone = slice(SoundMesh(CylinderShape(100, 50, 60, 4)));
+  const Mesh mesh = SoundMesh(CylinderShape(100, 50, 60, 4));
+  std::vector<std::vector<std::vector<Curve>>> found(8);
+  ParallelFor(found.size(), 4, {}, [&](size_t i) { found[i] = slice(mesh); });
+  for (const auto& slices : found) {
+    ASSERT_EQ(slices.size(), alone.size());
+    for (size_t i = 0; i < slices.size(); ++i) {
+      ASSERT_EQ(slices[i].size(), 1u);
+      ASSERT_EQ(slices[i][0].pieces.size(), alone[i][0].pieces.size());
+      for (size_t k = 0; k < slices[i][0].pieces.size(); ++k) {
+        EXPECT_EQ(slices[i][0].pieces[k].start, alone[i][0].pieces[k].start);
+        EXPECT_EQ(slices[i][0].pieces[k].face, alone[i][0].pieces[k].face);
+      }
+    }
+  }
+}
+
+// Which MakeManifold would have taken apart.
+TEST(PlaneSlices, FansThatMeetInOneVertexAreABug) {
+  Triangles mesh = BoxShape({0, 0, 0}, {1, 1, 1});
+  const Triangles other = BoxShape({1, 1, 1}, {2, 2, 2});
+  const auto shift = static_cast<int>(mesh.vertices.size());
+  int common = -1, of_other = -1;
+  for (int v = 0; v < shift; ++v)
+    for (int w = 0; w < static_cast<int>(other.vertices.size()); ++w)
+      if (mesh.vertices[v] == other.vertices[w]) common = v, of_other = w;
+  ASSERT_GE(common, 0);
+  for (const auto& p : other.vertices) mesh.vertices.push_back(p);
+  for (std::array<int, 3> face : other.faces) {
+    for (int& v : face) v = v == of_other ? common : v + shift;
+    mesh.faces.push_back(face);
+  }
+  EXPECT_THROW(SliceByPlanes(Mesh(mesh), Eigen::Vector3d::UnitZ(), {0.5}, {}), std::logic_error);
 }
 
 }  // namespace

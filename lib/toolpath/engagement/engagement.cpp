@@ -187,20 +187,18 @@ std::vector<Eigen::AlignedBox3d> MissingMotions(const Toolpath& toolpath) {
 
 }  // namespace
 
-void SetEngagementBesideMissing(const EngagementOptions& options, const Toolpath& whole, int threads,
-                                const std::stop_token& stop, Toolpath& toolpath) {
+void SetEngagementBesideMissing(const EngagementOptions& options, int threads, const std::stop_token& stop,
+                                Toolpath& toolpath) {
   assert(!options.drill);
   const Bvh missing(options.stated ? std::vector<Eigen::AlignedBox3d>() : MissingMotions(toolpath));
   std::vector<std::vector<char>> of;
-  for (size_t p = 0; p < toolpath.passes.size(); ++p) {
-    std::vector<MillingPoint>& points = toolpath.passes[p].points;
-    std::vector<char>& anew = of.emplace_back(points.size(), 0);
-    for (size_t t = 0; t < points.size(); ++t) {
-      points[t].engagement = points[t].gouge > 0 ? Engagement() : whole.passes[p].points[t].engagement;
-      if (points[t].gouge > 0) continue;
+  for (const Pass& pass : toolpath.passes) {
+    std::vector<char>& anew = of.emplace_back();
+    for (const MillingPoint& point : pass.points) {
+      anew.push_back(point.gouge > 0 ? 1 : 0);
       const Vector3d reach =
-          Vector3d::Constant(SweptPath::Reach(options.edge.cutter, AskedAbove(options, points[t])));
-      missing.ForEachIn({points[t].position - reach, points[t].position + reach}, [&](int) { anew[t] = 1; });
+          Vector3d::Constant(SweptPath::Reach(options.edge.cutter, AskedAbove(options, point)));
+      missing.ForEachIn({point.position - reach, point.position + reach}, [&](int) { anew.back() = 1; });
     }
   }
   SetEngagement(options, threads, stop, toolpath, of);

@@ -36,11 +36,10 @@ struct EngagementOptions {
 void SetEngagement(const EngagementOptions& options, int threads, const std::stop_token& stop,
                    Toolpath& toolpath, const std::vector<std::vector<char>>& of = {});
 
-/// The same for a path that differs from `whole` by more points with a gouge alone: where none of these is
-/// near, a point takes off what it does in `whole`, whose engagement is set. Not for tools that cut with
-/// their point.
-void SetEngagementBesideMissing(const EngagementOptions& options, const Toolpath& whole, int threads,
-                                const std::stop_token& stop, Toolpath& toolpath);
+/// The same where it is set for the path without these gouges: anew for the points near one alone. Not for
+/// tools that cut with their point.
+void SetEngagementBesideMissing(const EngagementOptions& options, int threads, const std::stop_token& stop,
+                                Toolpath& toolpath);
 
 /// The greatest of the forces over a revolution, and how many teeth cut on average, where the mean is
 /// greatest.

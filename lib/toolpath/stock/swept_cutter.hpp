@@ -46,7 +46,7 @@ class SweptCutter {
   SweptCutter(const CutterShape& cutter, std::vector<CutterMotion> motions, double band);
 
   /// Down to where material stands along a ray. Exact to 1e-8 mm for the given motions; where an axis turns,
-  /// to 6e-8 of the radius, since along a stretch it follows the chord.
+  /// to 7e-8 of the radius, since along a stretch it follows the chord.
   RayHeight HeightOn(const SurfaceRay& ray) const;
   /// The same for many. Throws Interrupted.
   std::vector<RayHeight> HeightsOn(const std::vector<SurfaceRay>& rays, int threads,

@@ -167,6 +167,29 @@ TEST(CachedInWorld, OfACellWithExternalAxesWhateverStandsInItCounts) {
   EXPECT_EQ(made, 2);
 }
 
+TEST(ReportParts, NearestPairsAreKeptByPass) {
+  const test::MemoryCheckpoints store;
+  PlannedJob job = test::FreshPlan();
+  const JobInputs inputs = test::SmallInputs();
+  for (PassResult& pass : job.plan.passes)
+    for (PlannedPoint& point : pass.points) point.clearance = 0;  // so that all are asked
+  const auto parts = [&] { return MakeReportParts(inputs, job, {}, false, store, {.threads = 2}); };
+  const auto pairs = [&](int pass) { return store.stages.at(fmt::format("nearest-pairs-{}", pass)); };
+  const NearestPairs before = parts().nearest;
+  const auto first = pairs(0), second = pairs(1);
+  ASSERT_EQ(first.size(), 1u);
+  job.plan.passes[1].points[0].q[5] += 0.1;
+  const NearestPairs after = parts().nearest;
+  EXPECT_EQ(pairs(0), first);
+  EXPECT_EQ(pairs(1).size(), 2u);
+  EXPECT_EQ(pairs(1).back(), second.front());
+  EXPECT_EQ(after.size(), before.size());
+  // As they are found without what was kept.
+  const test::MemoryCheckpoints none;
+  const NearestPairs fresh = MakeReportParts(inputs, job, {}, false, none, {.threads = 1}).nearest;
+  EXPECT_EQ(ValueBytes().Add(after).bytes(), ValueBytes().Add(fresh).bytes());
+}
+
 TEST(PlanKey, SeesEveryFieldButTheHashThatNamesThePlanAndWhatGapsTook) {
   PlanResult plan;
   plan.passes.resize(2);

@@ -417,7 +417,7 @@ TEST(Engagement, BesideMissingPointsIsThatOfThePathWithoutThem) {
     }
     Toolpath all = missing;
     SetEngagement(options, 2, {}, all);
-    SetEngagementBesideMissing(options, whole, 2, {}, missing);
+    SetEngagementBesideMissing(options, 2, {}, missing);
     for (size_t p = 0; p < all.passes.size(); ++p)
       for (size_t i = 0; i < all.passes[p].points.size(); ++i) {
         const Engagement &found = missing.passes[p].points[i].engagement,
