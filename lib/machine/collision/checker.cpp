@@ -134,9 +134,18 @@ struct Checker::Impl {
     return {world->bodies[pair.first].name, world->bodies[pair.second].name, found.ends, found.distance};
   }
 
+  /// What may settle a pair.
+  enum class Proof : uint8_t { kBoxes, kDistance };
+
   std::optional<ContactCandidate> Certify(const Joints& middle, const Joints& half_turn, int phase,
-                                          double resolution, const std::vector<int>& pairs,
+                                          double resolution, const std::vector<int>& pairs, Proof proof,
                                           std::vector<int>& undecided);
+  std::vector<int> PairsIn(int phase) const;
+  std::optional<ContactCandidate> BlockedBetween(const Joints& q0, const Joints& q1, int phase,
+                                                 double resolution, const Joints& tube,
+                                                 const std::vector<int>& pairs);
+  std::optional<ContactCandidate> BlockedAlong(std::span<const Joints> line, int phase, double resolution,
+                                               std::vector<int> pairs);
 };
 
 Checker::Checker(const World& world, double clearance_share, double reserve)
@@ -253,7 +262,7 @@ std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, doubl
 /// it. Pairs that this does not settle for the whole motion go to `undecided`.
 std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, const Joints& half_turn,
                                                        int phase, double resolution,
-                                                       const std::vector<int>& pairs,
+                                                       const std::vector<int>& pairs, Proof proof,
                                                        std::vector<int>& undecided) {
   ++counts.looks;
   PlaceLinks(middle);
@@ -280,7 +289,9 @@ std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, con
     const double motion = (*bounds)[world->bodies[pair.first].link];
     // What settles the pair for the whole motion: even the worst movement leaves clearance − resolution.
     const double wanted = std::max(clearance, clearance - resolution + motion);
-    const Gap gap = Compare(pair, clearance, wanted);
+    const Gap gap = proof == Proof::kDistance                            ? Compare(pair, clearance, wanted)
+                    : BoxesApart(placed[pair.first], at, wanted + kSure) ? Gap::kWide
+                                                                         : Gap::kOpen;
     if (gap == Gap::kTooNear) return ContactCandidate{middle, index, std::min(wanted, clearance + kNearby)};
     if (gap == Gap::kOpen) undecided.push_back(index);
   }
@@ -293,46 +304,81 @@ std::optional<Interference> Checker::Between(const Joints& q0, const Joints& q1,
   return found ? std::optional(Measure(*found)) : std::nullopt;
 }
 
+std::vector<int> Checker::Impl::PairsIn(int phase) const {
+  std::vector<int> all;
+  for (size_t i = 0; i < world->pairs.size(); ++i) {
+    if (world->pairs[i].clearance[phase]) all.push_back(static_cast<int>(i));
+  }
+  return all;
+}
+
 std::optional<ContactCandidate> Checker::BlockedBetween(const Joints& q0, const Joints& q1, Phase phase,
                                                         double resolution, const Joints& tube) {
+  const int phase_index = static_cast<int>(phase);
+  return impl_->BlockedBetween(q0, q1, phase_index, resolution, tube, impl_->PairsIn(phase_index));
+}
+
+/// `pairs`: those that may be too near anywhere on the motion.
+std::optional<ContactCandidate> Checker::Impl::BlockedBetween(const Joints& q0, const Joints& q1, int phase,
+                                                              double resolution, const Joints& tube,
+                                                              const std::vector<int>& pairs) {
   assert(resolution > 0);
   struct Interval {
     double begin, end;  // of the motion's 0..1
     std::vector<int> pairs;
   };
-  const int phase_index = static_cast<int>(phase);
   // One question, however often the motion is halved: that may depend on bodies that no answer tells of.
-  ++impl_->counts.poses;
-  impl_->Look(q0, q1, tube);
-  std::vector<int> all;
-  for (size_t i = 0; i < impl_->world->pairs.size(); ++i) {
-    if (impl_->world->pairs[i].clearance[phase_index]) all.push_back(static_cast<int>(i));
-  }
+  ++counts.poses;
+  Look(q0, q1, tube);
   // Halving from the whole motion down: most pairs are settled by one look at its middle.
-  std::vector<Interval> open{{0, 1, std::move(all)}};
+  std::vector<Interval> open{{0, 1, pairs}};
   while (!open.empty()) {
     const Interval interval = std::move(open.back());
     open.pop_back();
     const double middle = 0.5 * (interval.begin + interval.end);
     const Joints half_turn = 0.5 * (interval.end - interval.begin) * (q1 - q0).cwiseAbs();
     std::vector<int> undecided;
-    auto found = impl_->Certify(q0 + middle * (q1 - q0), half_turn + tube, phase_index, resolution,
-                                interval.pairs, undecided);
+    auto found = Certify(q0 + middle * (q1 - q0), half_turn + tube, phase, resolution, interval.pairs,
+                         Proof::kDistance, undecided);
     if (found) {
-      impl_->Tell(found->pair);
+      Tell(found->pair);
       return found;
     }
     if (undecided.empty()) continue;
     // Once the interval is small against the tube, halving it settles nothing more.
     if (half_turn.maxCoeff() < kSmallBesideTube * tube.maxCoeff()) {
       const Joints q = q0 + middle * (q1 - q0);
-      impl_->Tell(undecided.front());
+      Tell(undecided.front());
       return ContactCandidate{q, undecided.front(), std::numeric_limits<double>::infinity()};
     }
     open.push_back({middle, interval.end, undecided});
     open.push_back({interval.begin, middle, std::move(undecided)});
   }
   return std::nullopt;
+}
+
+std::optional<ContactCandidate> Checker::BlockedAlong(std::span<const Joints> line, Phase phase,
+                                                      double resolution) {
+  const int phase_index = static_cast<int>(phase);
+  return impl_->BlockedAlong(line, phase_index, resolution, impl_->PairsIn(phase_index));
+}
+
+std::optional<ContactCandidate> Checker::Impl::BlockedAlong(std::span<const Joints> line, int phase,
+                                                            double resolution, std::vector<int> pairs) {
+  if (line.size() < 2) return std::nullopt;
+  if (line.size() == 2)
+    return BlockedBetween(line.front(), line.back(), phase, resolution, Joints::Zero(), pairs);
+  if (!pairs.empty() && !world->measures_all) {
+    // Nowhere nearer than its clearance, so that no single motion would find less: resolution 0.
+    Joints least = line.front(), most = line.front();
+    for (const Joints& q : line) least = least.cwiseMin(q), most = most.cwiseMax(q);
+    std::vector<int> undecided;
+    Certify(0.5 * (least + most), 0.5 * (most - least), phase, 0, pairs, Proof::kBoxes, undecided);
+    pairs = std::move(undecided);
+  }
+  const size_t half = line.size() / 2;
+  const auto found = BlockedAlong(line.first(half + 1), phase, resolution, pairs);
+  return found ? found : BlockedAlong(line.subspan(half), phase, resolution, std::move(pairs));
 }
 
 }  // namespace millpose

@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -116,6 +117,12 @@ class Checker {
   std::optional<ContactCandidate> BlockedBetween(const Joints& q0, const Joints& q1, Phase phase,
                                                  double resolution = 0.5,
                                                  const Joints& tube = Joints::Zero());
+
+  /// The first answer of BlockedBetween to the motions from each pose of a line to the next, of one joint
+  /// motion after the other. Costs less than to ask for each: bodies that stay far apart all along are seen
+  /// to at once.
+  std::optional<ContactCandidate> BlockedAlong(std::span<const Joints> line, Phase phase,
+                                               double resolution = 0.5);
 
   /// What was sighted by a checker of the same world, clearances and reserve.
   Interference Measure(const ContactCandidate& sighting);

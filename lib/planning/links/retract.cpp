@@ -18,11 +18,9 @@ Retract RetractByHeight(Checker& checker, const Carrier& carrier, const Joints& 
     if (const CoupledLimit* beyond = FirstBeyond(limits.coupled, along, kRevolutionRounding))
       retract.problem = CoupledText(*beyond, along);
   }
-  for (size_t i = 1; i < line.joints.size() && retract.problem.empty(); ++i) {
-    const auto found =
-        checker.Between(line.joints[i - 1], line.joints[i], Phase::kCutting, options.swept_resolution);
-    if (found) retract.problem = NearText(*found);
-  }
+  if (retract.problem.empty())
+    if (const auto found = checker.BlockedAlong(line.joints, Phase::kCutting, options.swept_resolution))
+      retract.problem = NearText(checker.Measure(*found));
   if (retract.problem.empty()) {
     if (const auto found = checker.At(line.joints.back(), Phase::kFree)) {
       retract.problem = fmt::format("{:.1f} mm out, {}", options.height, NearText(*found));

@@ -197,6 +197,10 @@ std::optional<Interference> InterferenceOf(const Replayed& replayed, size_t i, c
                                            Checker& checker, const VerifyOptions& options) {
   const Motion& motion = replayed.program.motions[i];
   const Phase phase = HasFeed(motion) ? Phase::kCutting : Phase::kFree;
+  const auto found_along = [&](const std::vector<Joints>& way) {
+    const auto found = checker.BlockedAlong(way, phase, options.swept_resolution);
+    return found ? std::optional(checker.Measure(*found)) : std::nullopt;
+  };
   std::optional<Interference> hit;
   if (i == 0) {
     hit = checker.At(replayed.replay.targets[0], phase);
@@ -208,17 +212,12 @@ std::optional<Interference> InterferenceOf(const Replayed& replayed, size_t i, c
     } else {
       instants.push_back({replayed.replay.targets[i], {}, i, 1});
     }
-    Joints before = replayed.replay.targets[i - 1];
-    for (const Instant& instant : instants) {
-      hit = checker.Between(before, instant.q, phase, options.swept_resolution);
-      before = instant.q;
-      if (hit) break;
-    }
+    std::vector<Joints> way{replayed.replay.targets[i - 1]};
+    for (const Instant& instant : instants) way.push_back(instant.q);
+    hit = found_along(way);
     if (!hit && IsRounded(replayed, i)) {
       const auto& q = replayed.replay.targets;
-      const std::vector<Joints> places = LargestRounding(q[i - 1], q[i], q[i + 1], kRoundingPlaces);
-      for (size_t k = 1; k < places.size() && !hit; ++k)
-        hit = checker.Between(places[k - 1], places[k], phase, options.swept_resolution);
+      hit = found_along(LargestRounding(q[i - 1], q[i], q[i + 1], kRoundingPlaces));
     }
   }
   return hit;

@@ -10,25 +10,48 @@ constexpr size_t kMostLooks = 64;  // at one point for interference, from its be
 constexpr size_t kReach = 6;       // rotation steps between neighbouring sampled points
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-struct Cost {
-  size_t breaks = 0;
-  double worst = kNone, sum = kNone;
-  bool any() const { return worst < kNone; }
-  bool operator<(const Cost& other) const {  // what is none comes last
-    if (any() != other.any()) return any();
-    return std::tie(breaks, worst, sum) < std::tie(other.breaks, other.worst, other.sum);
-  }
-};
-
 }  // namespace
 
 bool IsBetter(const BranchScore& a, const BranchScore& b) {
   return a.free != b.free ? a.free > b.free : a.worst < b.worst;
 }
 
+/// Of a way to a node: what cannot be reached comes last.
+struct BranchLadder::Cost {
+  size_t breaks = std::numeric_limits<size_t>::max();
+  double worst = kNone, sum = kNone;
+  bool any() const { return worst < kNone; }
+  bool operator<(const Cost& other) const {
+    return std::tie(breaks, worst, sum) < std::tie(other.breaks, other.worst, other.sum);
+  }
+};
+
+/// For each setting the cheapest of those within kReach of it, and of equal ones the first. By the least of
+/// what lies left and right of it in blocks as wide as that (van Herk 1992, Pattern Recognition Letters 13).
+std::vector<size_t> BranchLadder::CheapestNear(const std::vector<Cost>& costs) {
+  constexpr size_t kWidth = 2 * kReach + 1;
+  const size_t count = costs.size(), padded = count + 2 * kReach;
+  std::vector<size_t> up_to(padded), from(padded), near(count);
+  for (size_t i = 0; i < padded; ++i) {
+    const size_t here = (i + count - kReach) % count;
+    up_to[i] = from[i] = here;
+    if (i % kWidth != 0 && !(costs[here] < costs[up_to[i - 1]])) up_to[i] = up_to[i - 1];
+  }
+  for (size_t i = padded - 1; i-- > 0;)
+    if ((i + 1) % kWidth != 0 && costs[from[i + 1]] < costs[from[i]]) from[i] = from[i + 1];
+  for (size_t s = 0; s < count; ++s) {
+    const size_t first = from[s], second = up_to[s + 2 * kReach];
+    near[s] = costs[second] < costs[first] ? second : first;
+  }
+  return near;
+}
+
 BranchLadder::BranchLadder(const AdmissibleBounds& bounds, const std::vector<CandidateTable>& tables,
                            size_t branch)
-    : bounds_(bounds), tables_(tables) {
+    : tables_(tables) {
+  const Joints range = bounds.upper - bounds.lower;
+  for (int j = 0; j < 6; ++j)
+    if (range[j] > kPi && range[j] < 3 * kPi) stopped_.push_back(j);
   for (const CandidateTable& table : tables) {
     Layer layer{std::vector<Node>(table.settings())};
     for (size_t i = 0; i < table.entries().size(); ++i) {
@@ -88,25 +111,19 @@ std::vector<BranchLadder::Choice> BranchLadder::Choose() const {
   std::vector<Choice> chosen(layers_.size());
   if (used.empty()) return chosen;
   const size_t count = layers_.front().nodes.size();
-  std::vector<std::vector<Choice>> from(used.size(), std::vector<Choice>(count));
+  std::vector<Choice> from(used.size() * count);
   std::vector<Cost> before(count, Cost{0, 0, 0}), now(count);
   for (size_t u = 0; u < used.size(); ++u) {
     const std::vector<Node>& nodes = layers_[used[u]].nodes;
-    const size_t reach = u == 0 ? 0 : kReach;
     const auto least = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
+    const std::vector<size_t> near = CheapestNear(before);
     for (size_t s = 0; s < count; ++s) {
       now[s] = {};
       if (nodes[s].objective == kNone) continue;
-      size_t best = kNoSetting;
-      for (size_t d = 0; d <= 2 * reach; ++d) {
-        const size_t other = (s + count + d - reach) % count;
-        if (before[other].any() && (best == kNoSetting || before[other] < before[best]) &&
-            (u == 0 || Leads(used[u - 1], other, used[u], s)))
-          best = other;
-      }
+      size_t best = u == 0 ? s : BestBefore(before, near[s], used[u - 1], used[u], s);
       const bool broken = best == kNoSetting || before[least].breaks + 1 < before[best].breaks;
       if (broken) best = least;
-      from[u][s] = {best, broken};
+      from[u * count + s] = {best, broken};
       now[s] = {before[best].breaks + (broken ? 1 : 0), std::max(before[best].worst, nodes[s].objective),
                 before[best].sum + nodes[s].objective};
     }
@@ -114,10 +131,27 @@ std::vector<BranchLadder::Choice> BranchLadder::Choose() const {
   }
   auto s = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
   for (size_t u = used.size(); u-- > 0;) {
-    chosen[used[u]] = {s, from[u][s].after_break};
-    s = from[u][s].setting;
+    const Choice& choice = from[u * count + s];
+    chosen[used[u]] = {s, choice.after_break};
+    s = choice.setting;
   }
   return chosen;
+}
+
+/// The cheapest setting of layer t from which the joints can go to setting `to` of layer u; none where none
+/// leads there. `near`: of CheapestNear.
+size_t BranchLadder::BestBefore(const std::vector<Cost>& costs, size_t near, size_t t, size_t u,
+                                size_t to) const {
+  if (!costs[near].any()) return kNoSetting;
+  if (Leads(t, near, u, to)) return near;
+  const size_t count = costs.size();
+  size_t best = kNoSetting;
+  for (size_t d = 0; d <= 2 * kReach; ++d) {
+    const size_t other = (to + count + d - kReach) % count;
+    if (costs[other].any() && (best == kNoSetting || costs[other] < costs[best]) && Leads(t, other, u, to))
+      best = other;
+  }
+  return best;
 }
 
 /// Whether the joints can go from a node of layer t to one of layer u without a limit between them. An axis
@@ -125,9 +159,7 @@ std::vector<BranchLadder::Choice> BranchLadder::Choose() const {
 bool BranchLadder::Leads(size_t t, size_t from, size_t u, size_t to) const {
   const Joints& q0 = tables_[t].entries()[layers_[t].nodes[from].entry].q;
   const Joints& q1 = tables_[u].entries()[layers_[u].nodes[to].entry].q;
-  for (int j = 0; j < 6; ++j)
-    if (std::abs(q1[j] - q0[j]) > kPi && bounds_.upper[j] - bounds_.lower[j] < 3 * kPi) return false;
-  return true;
+  return std::ranges::none_of(stopped_, [&](int j) { return std::abs(q1[j] - q0[j]) > kPi; });
 }
 
 BranchScore BranchLadder::Result(const std::vector<Choice>& chosen) const {

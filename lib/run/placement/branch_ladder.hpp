@@ -26,7 +26,7 @@ bool IsBetter(const BranchScore& a, const BranchScore& b);
 /// first, then the sum.
 class BranchLadder {
  public:
-  /// `tables`: one of each point, of the same settings; they and the bounds outlive it.
+  /// `tables`: one of each point, of the same settings; they outlive it.
   BranchLadder(const AdmissibleBounds& bounds, const std::vector<CandidateTable>& tables, size_t branch);
 
   /// Interference left aside.
@@ -58,13 +58,17 @@ class BranchLadder {
     bool after_break = false;
   };
 
+  struct Cost;
+
   template <class Look>
   bool AllAre(bool Node::*what, const std::vector<Choice>& chosen, const Look& look);
   std::vector<Choice> Choose() const;
+  static std::vector<size_t> CheapestNear(const std::vector<Cost>& costs);
+  size_t BestBefore(const std::vector<Cost>& costs, size_t near, size_t t, size_t u, size_t to) const;
   bool Leads(size_t t, size_t from, size_t u, size_t to) const;
   BranchScore Result(const std::vector<Choice>& chosen) const;
 
-  const AdmissibleBounds& bounds_;
+  std::vector<int> stopped_;  ///< joints that cannot go round, and turn far enough to be stopped by a limit
   const std::vector<CandidateTable>& tables_;
   std::vector<Layer> layers_;
 };

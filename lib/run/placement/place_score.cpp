@@ -33,6 +33,7 @@ struct PassScorer {
           CandidateTable::OfStep(PointScorer(problem, point, pass.rotation_reference), kRotationStep));
     std::vector<std::pair<BranchScore, size_t>> bounds;
     std::vector<BranchLadder> ladders;
+    ladders.reserve(8);
     for (size_t branch = 0; branch < 8; ++branch) {
       ladders.emplace_back(problem.bounds, tables, branch);
       bounds.emplace_back(ladders.back().Bound(), branch);

@@ -68,5 +68,36 @@ TEST(Shortcuts, ChangeNoAnswerOfAChecker) {
   EXPECT_GT(halved, trials / 10);
 }
 
+TEST(Shortcuts, ALineIsAnsweredAsItsMotionsOneByOne) {
+  const Joints middle = Degrees(-4.5, -63.9, 103.3, 18.8, 53.1, 16.2);
+  const World world(NarrowCell(middle));
+  Checker fast(world), slow(world.MeasuringAll()), single(world);
+  RandomStream random(37, 0);
+  int free = 0, later = 0;
+  const int trials = OfTier(150, 3000);
+  for (int trial = 0; trial < trials; ++trial) {
+    const Phase phase = trial % 2 ? Phase::kFree : Phase::kCutting;
+    std::vector<Joints> line{Near(random, middle, 0.1)};
+    const Joints by = Near(random, Joints::Zero(), 0.01);
+    while (line.size() < static_cast<size_t>(2 + trial % 12))
+      line.push_back(line.back() + by + Near(random, Joints::Zero(), 0.002));
+    const long long before = fast.poses_checked();
+    const auto found = fast.BlockedAlong(line, phase, 0.5);
+    ExpectSame(found, slow.BlockedAlong(line, phase, 0.5));
+    std::optional<ContactCandidate> one;
+    size_t asked = 0;
+    while (!one && asked + 1 < line.size()) {
+      one = single.BlockedBetween(line[asked], line[asked + 1], phase, 0.5);
+      ++asked;
+    }
+    ExpectSame(found, one);
+    EXPECT_EQ(fast.poses_checked() - before, static_cast<long long>(asked));
+    free += !found;
+    later += found && asked > 1;
+  }
+  EXPECT_GT(free, trials / 10);
+  EXPECT_GT(later, trials / 20);
+}
+
 }  // namespace
 }  // namespace millpose::test
