@@ -68,10 +68,6 @@ struct AxisMap {
   std::vector<std::vector<uint8_t>> zones;  ///< per point: all rotations on branch 0, then on branch 1, …
 };
 
-/// The nearest pair of bodies at planned points, by the points' numbers in the job; of points that are not
-/// there it is not known, an empty one has none nearer than kPointClearanceBound.
-using NearestPairs = std::map<uint32_t, std::optional<Interference>>;
-
 /// Sizes to which the view is cut down; the plan itself is never changed, and the page says what is not
 /// shown.
 struct HtmlLimits {
@@ -95,7 +91,6 @@ struct HtmlInput {
   const FixedComparison* fixed = nullptr;         ///< beside the best fixed rotation
   const AxisMap* map = nullptr;                   ///< of `curves`
   const Timeline* timeline = nullptr;             ///< of the plan
-  const NearestPairs* nearest = nullptr;          ///< of the points shown
   const LostMotionReport* lost_motion = nullptr;  ///< of the plan
   const Budget* budget = nullptr;                 ///< of the face's error
   const FaceReport* face = nullptr;               ///< where it was asked for

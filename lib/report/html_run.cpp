@@ -51,23 +51,24 @@ Json TimelineJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
 }
 
 Json NearestJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
-  if (!input.nearest) return nullptr;
   std::vector<std::array<std::string, 2>> pairs;
   std::map<std::array<std::string, 2>, uint32_t> number_of;
-  std::vector<uint32_t> pair;         // 0: nobody looked; 1: none is near; 2 + p: pairs[p]
+  std::vector<uint32_t> pair;         // 0: not planned; 1: none is near; 2 + p: pairs[p]
   std::vector<Eigen::Vector3d> ends;  // of the rows with a pair alone
   for (const ReportRow& row : rows) {
-    const auto found = input.nearest->find(row.number);
-    pair.push_back(found == input.nearest->end() ? 0 : 1);
-    if (pair.back() == 0 || !found->second) continue;
-    const std::array<std::string, 2> names{found->second->first, found->second->second};
+    const PassResult& pass = input.plan.passes[static_cast<size_t>(row.pass)];
+    const PlannedPoint& point = pass.points[static_cast<size_t>(row.point)];
+    pair.push_back(point.skip == Infeasibility::kNone ? 1 : 0);
+    if (pair.back() == 0 || !point.nearest) continue;
+    const NearestPair& found = *point.nearest;
+    const std::array<std::string, 2> names{pass.bodies.at(static_cast<size_t>(found.first)),
+                                           pass.bodies.at(static_cast<size_t>(found.second))};
     const auto [entry, fresh] = number_of.emplace(names, static_cast<uint32_t>(pairs.size()));
     if (fresh) pairs.push_back(names);
     pair.back() = 2 + entry->second;
-    for (const Eigen::Vector3d& end : found->second->ends)
-      ends.push_back(OnPartAtZero(
-          input.plan,
-          ExternalAt(input.plan.passes[static_cast<size_t>(row.pass)], static_cast<size_t>(row.point)), end));
+    const ExternalPosition external = ExternalAt(pass, static_cast<size_t>(row.point));
+    for (const Eigen::Vector3d& end : {found.first_end, found.second_end})
+      ends.push_back(OnPartAtZero(input.plan, external, end));
   }
   return {{"pairs", pairs}, {"pair", PackUint32(pair)}, {"ends_mm", PackVectors(ends)}};
 }

@@ -37,55 +37,32 @@ Result Cached(const CheckpointStore& store, const std::string& stage, const std:
 
 /// Cached(), for stages that ask the cell's world: what they made is found again after an obstacle has moved
 /// if no answer would be another (StillHolds). The world is no part of their keys; where the cell has
-/// external axes, it is as it is. Store and stations outlive it. Safe to ask from many threads.
-class StagesInWorld {
- public:
-  StagesInWorld(const CheckpointStore& store, const Stations& stations)
-      : store_(store),
-        stations_(stations),
-        watched_(stations.world().cell().external_axes.empty()),
-        cell_(watched_ ? HashOfValues(WithoutPlaces(stations.world().cell()))
-                       : HashOfValues(stations.world().cell())),
-        obstacles_(ObstaclesOf(stations.world().cell())) {}
-
-  /// `make` asks the stations that it is given and no others.
-  template <class Result>
-  Result Of(const std::string& stage, const std::string& key,
-            const std::function<Result(const Stations&)>& make) const {
-    struct Recording {
-      QueryRecord asked;
-      Result result;
-    };
-    const std::string own = StageKey(key, cell_);
-    if (!watched_) return Cached<Result>(store_, stage, own, [&] { return make(stations_); });
-    const World& world = stations_.world();
-    Recording kept;
-    if (store_.ReadStage(stage, own, [&](const std::string& bytes) {
-          kept = {};
-          return ValueReader(bytes).Read(kept) && StillHolds(kept.asked, world, obstacles_);
-        }))
-      return std::move(kept.result);
-    const auto looks = std::make_shared<QueryLog>();
-    Recording made;
-    made.result = make(Stations(world.Recording(looks), stations_.problem()));
-    made.asked = {obstacles_, looks->Collected()};
-    store_.WriteStage(stage, own, ValueBytes().Add(made).bytes());
-    return std::move(made.result);
-  }
-
- private:
-  const CheckpointStore& store_;
-  const Stations& stations_;
-  const bool watched_;      ///< what is asked can be noted
-  const std::string cell_;  ///< hash
-  const Obstacles obstacles_;
-};
-
-/// One such stage.
+/// external axes, it is as it is. `make` asks the stations that it is given and no others.
 template <class Result>
 Result CachedInWorld(const CheckpointStore& store, const std::string& stage, const std::string& key,
                      const Stations& stations, const std::function<Result(const Stations&)>& make) {
-  return StagesInWorld(store, stations).Of<Result>(stage, key, make);
+  const World& world = stations.world();
+  const Cell& cell = world.cell();
+  if (!cell.external_axes.empty())
+    return Cached<Result>(store, stage, StageKey(key, HashOfValues(cell)), [&] { return make(stations); });
+  struct Recording {
+    QueryRecord asked;
+    Result result;
+  };
+  const std::string own = StageKey(key, HashOfValues(WithoutPlaces(cell)));
+  const Obstacles obstacles = ObstaclesOf(cell);
+  Recording kept;
+  if (store.ReadStage(stage, own, [&](const std::string& bytes) {
+        kept = {};
+        return ValueReader(bytes).Read(kept) && StillHolds(kept.asked, world, obstacles);
+      }))
+    return std::move(kept.result);
+  const auto looks = std::make_shared<QueryLog>();
+  Recording made;
+  made.result = make(Stations(world.Recording(looks), stations.problem()));
+  made.asked = {obstacles, looks->Collected()};
+  store.WriteStage(stage, own, ValueBytes().Add(made).bytes());
+  return std::move(made.result);
 }
 
 }  // namespace millpose

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/report/panel_plan.hpp"
 
+#include "planning/pass/tell_nearest.hpp"
 #include "planning/result/point_clearance.hpp"
 #include "planning/result/verdict_map.hpp"
 #include "program/make_timeline.hpp"
 #include "report/samples/axis_map.hpp"
-#include "report/samples/nearest_pairs.hpp"
 #include "report/samples/sample_curves.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 #include "tests/planning/pose/problems.hpp"
@@ -144,7 +144,6 @@ HtmlInput Panel::Input() const {
   HtmlInput input{plan, cell, CurveGrid(), Packed(curves), settings};
   input.map = &map;
   input.timeline = &timeline;
-  input.nearest = &nearest;
   return input;
 }
 
@@ -174,15 +173,12 @@ Panel MakePanel(const PanelSize& size, const std::string& job) {
   // Some points are as if nothing were near them.
   for (PassResult& pass : plan.passes)
     for (PlannedPoint& point : pass.points)
-      point.clearance = point.point.arc_length > 0.8 * size.width
-                            ? kPointClearanceBound
-                            : checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
+      TellNearest(point.point.arc_length > 0.8 * size.width
+                      ? std::nullopt
+                      : checker.Nearest(point.q, Phase::kCutting, kPointClearanceBound),
+                  point, pass);
   panel.timeline = MakeTimeline(plan, {}, {});
   const Stations stations(world, panel.problem);
-  panel.nearest =
-      FindNearestPairs(plan, {.threads = 2}, [&](const PassResult& pass, const std::vector<size_t>& points) {
-        return FindPairsOfPoints(pass, points, stations, {.threads = 1});
-      });
   panel.curves = SampleCurves(plan, stations, {}, 4000, {.threads = 2});
   panel.map = MakeAxisMap(plan, stations, panel.curves, false, {.threads = 2});
   panel.settings = "job: |\n  " + job + "\ntoolpath: {stepover_mm: 8}\n";

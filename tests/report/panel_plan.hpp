@@ -24,7 +24,6 @@ struct Panel {
   std::vector<PointCurves> curves;
   AxisMap map;
   Timeline timeline;
-  NearestPairs nearest;
   std::string settings;
 
   HtmlInput Input() const;

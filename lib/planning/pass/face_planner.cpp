@@ -5,6 +5,7 @@
 #include "planning/pass/describe_point.hpp"
 #include "planning/pass/face_search.hpp"
 #include "planning/pass/nominal_plan.hpp"
+#include "planning/pass/tell_nearest.hpp"
 #include "planning/pose/lean_problem.hpp"
 #include "planning/result/continuity.hpp"
 #include "planning/result/point_clearance.hpp"
@@ -47,14 +48,15 @@ void Put(const Stations& stations, const Segment& segment, const FaceCandidate& 
   }
 }
 
-/// The clearances of points that moved.
+/// The clearances at all points, as some have moved.
 void MeasureClearances(const Stations& stations, PassResult& pass) {
   const PlannedIn in(stations, pass);
+  pass.bodies.clear();
   for (size_t t = 0; t < pass.points.size(); ++t) {
     PlannedPoint& point = pass.points[t];
     if (point.skip != Infeasibility::kNone) continue;
     Checker checker(in.At(t).world);
-    point.clearance = checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
+    TellNearest(checker.Nearest(point.q, Phase::kCutting, kPointClearanceBound), point, pass);
   }
 }
 

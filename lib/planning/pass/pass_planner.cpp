@@ -9,6 +9,7 @@
 #include "planning/pass/lifts.hpp"
 #include "planning/pass/ring_opening.hpp"
 #include "planning/pass/split_planner.hpp"
+#include "planning/pass/tell_nearest.hpp"
 #include "planning/pose/evaluator.hpp"
 #include "planning/pose/lean_problem.hpp"
 #include "planning/result/continuity.hpp"
@@ -179,12 +180,14 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
       if (barred) point.barred = NumberOf(context.world, barred->pair, pairs, result);
     }
   }
+  std::vector<std::optional<Interference>> nearest(count);
   const CheckCounts counts =
       CheckInParallel(MakeChecks(context), count, [&](PassCheckers& checkers, size_t t) {
-        PlannedPoint& point = result.points[t];
         if (plan.piece[t] < 0) return;
-        point.clearance = checkers.At(t).Clearance(point.q, Phase::kCutting, kPointClearanceBound);
+        nearest[t] = checkers.At(t).Nearest(result.points[t].q, Phase::kCutting, kPointClearanceBound);
       });
+  for (size_t t = 0; t < count; ++t)
+    if (plan.piece[t] >= 0) TellNearest(nearest[t], result.points[t], result);
   result.poses_checked = plan.poses_checked + counts.poses;
   MeasureSmoothing(plan, result);
   return result;

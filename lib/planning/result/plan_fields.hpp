@@ -72,6 +72,14 @@ void Fields(Archive& a, Compensation& c) {
 }
 
 template <class Archive>
+void Fields(Archive& a, NearestPair& p) {
+  a("first", p.first);
+  a("second", p.second);
+  a("first_end", p.first_end);
+  a("second_end", p.second_end);
+}
+
+template <class Archive>
 void Fields(Archive& a, PlannedPoint& p) {
   a("point", p.point);
   a("skip", p.skip);
@@ -100,6 +108,7 @@ void Fields(Archive& a, PlannedPoint& p) {
   a("paper", p.paper);
   a("from_genetic", p.from_genetic);
   a("clearance", p.clearance);
+  a("nearest", p.nearest);
   a("compensation", p.compensation);
   a("external", p.external);
 }
@@ -146,6 +155,7 @@ void Fields(Archive& a, PassResult& p) {
   a("smoothing", p.smoothing);
   a("bound", p.bound);
   a("pairs", p.pairs);
+  a("bodies", p.bodies);
   a("uncut", p.uncut);
   a("lifts", p.lifts);
   a("lift_gain", p.lift_gain);

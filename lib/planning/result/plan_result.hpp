@@ -54,6 +54,12 @@ struct Compensation {
   std::optional<double> arm_left;
 };
 
+/// Two bodies, and where each is nearest to the other.
+struct NearestPair {
+  int first = 0, second = 0;  ///< of PassResult::bodies
+  Eigen::Vector3d first_end = Eigen::Vector3d::Zero(), second_end = Eigen::Vector3d::Zero();  ///< in W, mm
+};
+
 /// A milling point as planned (vectors in W), or why it was skipped.
 struct PlannedPoint {
   MillingPoint point;
@@ -80,7 +86,8 @@ struct PlannedPoint {
   int genetic_evaluations = 0;
   std::vector<PaperAnswer> paper;  ///< one with formulation paper, else none
   bool from_genetic = false;  ///< its node came from the genetic algorithm (and may have been smoothed since)
-  double clearance = 0;       ///< mm, bounded
+  double clearance = 0;       ///< mm, of the nearest pair of bodies; at most kPointClearanceBound
+  std::optional<NearestPair> nearest;        ///< that pair; empty: none is so near
   std::optional<Compensation> compensation;  ///< of a planned point, where the job asks for it
   /// Where the external axes are at this point, in passes along which they move (ExternalAt); between two
   /// points of a piece each goes evenly. Vectors in W are then of that moment.
@@ -124,7 +131,8 @@ struct PassResult {
   long long pairs_saved = 0;    ///< and not looked at again: known from another pose of the point
   Smoothing smoothing;
   LadderBound bound;
-  std::vector<std::string> pairs;  ///< of bodies that were found to interfere: "link4 and workpiece"
+  std::vector<std::string> pairs;   ///< of bodies that were found to interfere: "link4 and workpiece"
+  std::vector<std::string> bodies;  ///< names of those that are nearest to another at some point
   std::vector<int> uncut;  ///< points after which the pass is split and the step to the next is not cut
   std::vector<int> lifts;  ///< pieces before which the tool is lifted because that pays
   double lift_gain = 0;    ///< share of the pass's objective that these gain, 0..1

@@ -178,7 +178,7 @@ struct Reader {
 };
 
 // The leading field tells a file of ours from others and one version from the next.
-constexpr const char* kFormat = "millpose 8";
+constexpr const char* kFormat = "millpose 9";
 
 }  // namespace
 

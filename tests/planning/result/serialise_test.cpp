@@ -119,7 +119,7 @@ TEST(Serialise, DamagedBytesAreRefused) {
   for (size_t cut = 0; cut < bytes.size(); cut += 37)
     EXPECT_THROW(ParsePlanResult(std::string_view(bytes).substr(0, cut), "x"), InputError) << cut;
   std::string older = bytes;
-  older[older.find("millpose 8") + 9] = '0';
+  older[older.find("millpose 9") + 9] = '0';
   EXPECT_THROW(ParsePlanResult(older, "x"), InputError);
 }
 

@@ -2,7 +2,6 @@
 #include "store/cached_stage.hpp"
 
 #include "machine/robot/kinematics.hpp"
-#include "run/pipeline/outputs/report_parts.hpp"
 #include "run/pipeline/stages/lay_path.hpp"
 #include "store/plan_key.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
@@ -67,11 +66,11 @@ TEST(ValueReader, NothingOfAPlanIsLost) {
 
 TEST(ValueReader, KnowsWhatStagesReturn) {
   using value_bytes_detail::CountFields;
-  static_assert(CountFields<PlannedPoint>() == 29);
+  static_assert(CountFields<PlannedPoint>() == 30);
   static_assert(CountFields<PlanResult>() == 16);
   static_assert(CountFields<CheckedProgram>() == 12);
   static_assert(CountFields<StartProgram>() == 6);
-  static_assert(CountFields<Interference>() == 4);
+  static_assert(CountFields<NearestPair>() == 4);
   static_assert(CountFields<PackedCurve>() == 8);
   static_assert(CountFields<FixedComparison>() == 10);
   static_assert(CountFields<JobToolpath>() == 8);
@@ -165,29 +164,6 @@ TEST(CachedInWorld, OfACellWithExternalAxesWhateverStandsInItCounts) {
   cell.bodies.back().X_MG = test::At(0, 5000, -200);
   stage();
   EXPECT_EQ(made, 2);
-}
-
-TEST(ReportParts, NearestPairsAreKeptByPass) {
-  const test::MemoryCheckpoints store;
-  PlannedJob job = test::FreshPlan();
-  const JobInputs inputs = test::SmallInputs();
-  for (PassResult& pass : job.plan.passes)
-    for (PlannedPoint& point : pass.points) point.clearance = 0;  // so that all are asked
-  const auto parts = [&] { return MakeReportParts(inputs, job, {}, false, store, {.threads = 2}); };
-  const auto pairs = [&](int pass) { return store.stages.at(fmt::format("nearest-pairs-{}", pass)); };
-  const NearestPairs before = parts().nearest;
-  const auto first = pairs(0), second = pairs(1);
-  ASSERT_EQ(first.size(), 1u);
-  job.plan.passes[1].points[0].q[5] += 0.1;
-  const NearestPairs after = parts().nearest;
-  EXPECT_EQ(pairs(0), first);
-  EXPECT_EQ(pairs(1).size(), 2u);
-  EXPECT_EQ(pairs(1).back(), second.front());
-  EXPECT_EQ(after.size(), before.size());
-  // As they are found without what was kept.
-  const test::MemoryCheckpoints none;
-  const NearestPairs fresh = MakeReportParts(inputs, job, {}, false, none, {.threads = 1}).nearest;
-  EXPECT_EQ(ValueBytes().Add(after).bytes(), ValueBytes().Add(fresh).bytes());
 }
 
 TEST(PlanKey, SeesEveryFieldButTheHashThatNamesThePlanAndWhatGapsTook) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What surrounds a plan: measured forces, reach, curves, nearest pairs, starts of single pieces, times.
+// What surrounds a plan: measured forces, reach, curves, starts of single pieces, times.
 #include "run/pipeline/stages/stages.hpp"
 
 #include <thread>
@@ -10,7 +10,6 @@
 #include "planning/result/point_clearance.hpp"
 #include "planning/result/verdict_map.hpp"
 #include "report/samples/axis_map.hpp"
-#include "report/samples/nearest_pairs.hpp"
 #include "report/samples/sample_curves.hpp"
 #include "run/pipeline/commands/explain_pose.hpp"
 #include "run/pipeline/commands/find_reach.hpp"
@@ -130,28 +129,23 @@ TEST(FindReach, TellsWhatForbidsAPointThatHasNoPose) {
   EXPECT_EQ(with([](AdmissibleBounds& bounds) { bounds.wrist_min = 1; })[1].best, Infeasibility::kSingular);
 }
 
-TEST(NearestPairs, AreThoseOfThePoses) {
+TEST(PlannedPoint, NearestPairIsThatOfItsPose) {
   const PlannedJob& job = FreshPlan();
-  const auto find = [&](const PassResult& pass, const std::vector<size_t>& points) {
-    return FindPairsOfPoints(pass, points, job.prepared.stations, {.threads = 1});
-  };
-  const NearestPairs pairs = FindNearestPairs(job.plan, {.threads = 2}, find);
-  ASSERT_EQ(pairs.size(), 6u);
   Checker checker(job.prepared.world);
-  uint32_t number = 0;
+  size_t named = 0;
   for (const PassResult& pass : job.plan.passes)
     for (const PlannedPoint& point : pass.points) {
-      const std::optional<Interference>& found = pairs.at(number++);
-      const auto nearest = checker.Nearest(point.q, Phase::kCutting, kPointClearanceBound);
-      ASSERT_EQ(found.has_value(), nearest.has_value());
+      const auto found = checker.Nearest(point.q, Phase::kCutting, kPointClearanceBound);
+      ASSERT_EQ(point.nearest.has_value(), found.has_value());
+      EXPECT_EQ(point.clearance, found ? found->distance : kPointClearanceBound);
       if (!found) continue;
-      EXPECT_EQ(found->first, nearest->first);
-      EXPECT_EQ(found->second, nearest->second);
-      EXPECT_NEAR(found->distance, point.clearance, 1e-6);
+      EXPECT_EQ(pass.bodies.at(static_cast<size_t>(point.nearest->first)), found->first);
+      EXPECT_EQ(pass.bodies.at(static_cast<size_t>(point.nearest->second)), found->second);
+      EXPECT_EQ(point.nearest->first_end, found->ends[0]);
+      EXPECT_EQ(point.nearest->second_end, found->ends[1]);
+      ++named;
     }
-  PlanResult skipped = job.plan;
-  skipped.passes[0].points[1].skip = Infeasibility::kLimit;
-  EXPECT_FALSE(FindNearestPairs(skipped, {.threads = 1}, find).contains(1));
+  EXPECT_GT(named, 0u);
 }
 
 TEST(SampleCurves, HoldEveryPoseOfTheGridAsTheScorerHasIt) {

@@ -5,7 +5,6 @@
 #include "job/raw_stock.hpp"
 #include "planning/result/station.hpp"
 #include "report/samples/axis_map.hpp"
-#include "report/samples/nearest_pairs.hpp"
 #include "report/samples/plan_removal.hpp"
 #include "report/samples/sample_curves.hpp"
 #include "store/cached_stage.hpp"
@@ -21,23 +20,6 @@ struct Choices {
   std::vector<PackedCurve> curves;
   AxisMap map;
 };
-
-/// By pass: what of the plan's other passes has changed makes no difference to a pass.
-NearestPairs KeptNearestPairs(const PlanResult& plan, const Stations& stations,
-                              const CheckpointStore& checkpoints, const Execution& execution) {
-  const StagesInWorld kept(checkpoints, stations);
-  // A plan of few passes spends its threads inside them.
-  const Execution inner{
-      plan.passes.size() >= static_cast<size_t>(execution.Threads()) ? 1 : execution.Threads(),
-      execution.progress, execution.stop};
-  return FindNearestPairs(plan, execution, [&](const PassResult& pass, const std::vector<size_t>& points) {
-    std::vector<std::pair<Joints, ExternalPosition>> poses;
-    for (const size_t t : points) poses.emplace_back(pass.points[t].q, ExternalAt(pass, t));
-    return kept.Of<PairsOfPoints>(
-        fmt::format("nearest-pairs-{}", pass.pass), StageKey(poses),
-        [&](const Stations& watched) { return FindPairsOfPoints(pass, points, watched, inner); });
-  });
-}
 
 }  // namespace
 
@@ -63,9 +45,7 @@ ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, cons
         const std::vector<PointCurves> curves = SampleCurves(plan, stations, genetic, kMostCurves, execution);
         return Choices{Packed(curves), MakeAxisMap(plan, stations, curves, full_map, execution)};
       });
-  return {std::move(choices.curves), std::move(choices.map),
-          KeptNearestPairs(plan, prepared.stations, checkpoints, execution),
-          RemovalOf(inputs, job, timeline, execution)};
+  return {std::move(choices.curves), std::move(choices.map), RemovalOf(inputs, job, timeline, execution)};
 }
 
 }  // namespace millpose

@@ -11,8 +11,7 @@ namespace millpose {
 /// What report.html shows beside the plan and takes long to work out.
 struct ReportParts {
   std::vector<PackedCurve> curves;
-  AxisMap map;  ///< of `curves`
-  NearestPairs nearest;
+  AxisMap map;                     ///< of `curves`
   std::optional<Removal> removal;  ///< of the raw part, where there is one
 };
 

@@ -262,26 +262,13 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
   if (report.face) set.Add("face.csv", FaceCsv(report.face->rays, report.face->plan.expected.heights));
   set.Add("summary.json", SummaryJson(plan, report));
-  set.Add("report.html", ReportHtml({plan,
-                                     results.cell,
-                                     results.grid,
-                                     results.parts.curves,
-                                     job + "\n" + cell,
-                                     report.deflection ? &*report.deflection : nullptr,
-                                     report.findings,
-                                     report.warnings,
-                                     report.times,
-                                     &*report.fixed,
-                                     &results.parts.map,
-                                     &results.timeline,
-                                     &results.parts.nearest,
-                                     &*report.lost_motion,
-                                     &*report.budget,
-                                     report.face ? &*report.face : nullptr,
-                                     results.parts.removal ? &*results.parts.removal : nullptr,
-                                     results.language,
-                                     report.stock ? &*report.stock : nullptr,
-                                     results.inputs.job.operation}));
+  set.Add("report.html",
+          ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
+                      report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
+                      report.times, &*report.fixed, &results.parts.map, &results.timeline,
+                      &*report.lost_motion, &*report.budget, report.face ? &*report.face : nullptr,
+                      results.parts.removal ? &*results.parts.removal : nullptr, results.language,
+                      report.stock ? &*report.stock : nullptr, results.inputs.job.operation}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);
