@@ -44,12 +44,13 @@ void WriteAll(int file, std::string_view bytes, const fs::path& path) {
   }
 }
 
-void WriteAndSync(int folder, const std::string& temporary, const ByteSource& write, const fs::path& path) {
+void WriteTemporary(int folder, const std::string& temporary, const ByteSource& write, const fs::path& path,
+                    OnDisk on_disk) {
   const Descriptor file{
       ::openat(folder, temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644)};
   if (file.value < 0) Fail(path, kNotWritten);
   write([&](std::string_view bytes) { WriteAll(file.value, bytes, path); });
-  if (::fsync(file.value) != 0) Fail(path, kNotWritten);
+  if (on_disk == OnDisk::kNow && ::fsync(file.value) != 0) Fail(path, kNotWritten);
 }
 
 void CheckIsFile(const fs::path& path, const struct stat& info) {
@@ -99,10 +100,11 @@ void WriteFileAtomically(const fs::path& path, const ByteSource& write) {
   WriteFileAt(folder.value, path.filename().string(), path, write);
 }
 
-void WriteFileAt(int folder, const std::string& name, const fs::path& path, const ByteSource& write) {
+void WriteFileAt(int folder, const std::string& name, const fs::path& path, const ByteSource& write,
+                 OnDisk on_disk) {
   const std::string temporary = TemporaryName(name);
   try {
-    WriteAndSync(folder, temporary, write, path);
+    WriteTemporary(folder, temporary, write, path, on_disk);
     if (::renameat(folder, temporary.c_str(), folder, name.c_str()) != 0) Fail(path, kNotWritten);
   } catch (...) {
     ::unlinkat(folder, temporary.c_str(), 0);

@@ -156,11 +156,11 @@ void Folder::Write(const fs::path& below, std::string_view bytes) const {
   Write(below, [&](const ByteSink& sink) { sink(bytes); });
 }
 
-void Folder::Write(const fs::path& below, const ByteSource& write) const {
+void Folder::Write(const fs::path& below, const ByteSource& write, OnDisk on_disk) const {
   const Folder folder = MakeBelow(below.parent_path());
   const std::string name = below.filename().string();
   CheckPlain(name, folder);
-  WriteFileAt(folder.file_, name, path_ / below, write);
+  WriteFileAt(folder.file_, name, path_ / below, write, on_disk);
 }
 
 Folder Folder::Below(const fs::path& below) const {
@@ -231,14 +231,18 @@ void Folder::RemoveAll(const std::string& name) const {
     FailAt(path, "cannot remove", errno);
 }
 
-void Folder::Sync() const {
+void Folder::SyncWith(int (*sync)(int)) const {
   const int file = ::openat(file_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (file < 0) FailAt(path_, "cannot open", errno);
-  const int error = ::fsync(file) == 0 ? 0 : errno;
+  const int error = sync(file) == 0 ? 0 : errno;
   ::close(file);
   // Some file systems know no sync of folders and say so.
   if (error != 0 && error != EINVAL && error != ENOTSUP) FailAt(path_, "cannot write", error);
 }
+
+void Folder::Sync() const { SyncWith(::fsync); }
+
+void Folder::SyncAll() const { SyncWith(::syncfs); }
 
 int Folder::OpenForLock(const std::string& name) const {
   CheckPlain(name, *this);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/byte_sink.hpp"
+#include "base/file_parts.hpp"
 
 namespace millpose {
 
@@ -40,9 +41,10 @@ class Folder {
 
   /// The bytes of a regular file. Throws for anything else and for more than `max_bytes`.
   std::string Read(const std::filesystem::path& below, size_t max_bytes = size_t{4} << 30) const;
-  /// Writes to a temporary beside it and renames that. The bytes are on the disk when it returns; where it
-  /// fails no temporary stays. What `write` throws is passed on. Folders on the way are made.
-  void Write(const std::filesystem::path& below, const ByteSource& write) const;
+  /// Writes to a temporary beside it and renames that; where it fails no temporary stays. What `write` throws
+  /// is passed on. Folders on the way are made.
+  void Write(const std::filesystem::path& below, const ByteSource& write,
+             OnDisk on_disk = OnDisk::kNow) const;
   void Write(const std::filesystem::path& below, std::string_view bytes) const;
 
   Folder Below(const std::filesystem::path& below) const;
@@ -59,10 +61,15 @@ class Folder {
   void RemoveAll(const std::string& name) const;
   /// Waits until names that were made, renamed or removed in it are on the disk.
   void Sync() const;
+  /// Waits until all that was written to its file system is on the disk, the bytes of files too: once,
+  /// however many files these are.
+  void SyncAll() const;
   /// Opens a file for locks, made where it is missing; the caller closes it. Throws for what is no file.
   int OpenForLock(const std::string& name) const;
 
  private:
+  void SyncWith(int (*sync)(int)) const;
+
   Folder(int file, std::filesystem::path path) : file_(file), path_(std::move(path)) {}
 
   int file_;

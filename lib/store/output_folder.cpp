@@ -170,7 +170,7 @@ void OutputFolder::Write(const std::string& name, std::string_view bytes) const 
 }
 
 // A checkpoint begins with the hash of its key and the rest, so that damage is found, and one that stands
-// under another's name.
+// under another's name. So nobody waits until it is on the disk: a plan of 10,000 points writes 400.
 std::optional<std::string> OutputFolder::ReadCached(const std::string& file, const std::string& key) const {
   if (folder_->KindOf(checkpoints_ / file) != Folder::Kind::kFile) return std::nullopt;
   std::string bytes = folder_->Read(checkpoints_ / file);
@@ -189,10 +189,13 @@ void OutputFolder::WriteCached(const std::string& file, const std::string& earli
   if (kind == Folder::Kind::kFolder) folder.RemoveAll(file);  // no checkpoint of ours
   if (kind == Folder::Kind::kFile) PutAside(folder, file, earlier);
   const std::string packed = Packed(bytes);
-  folder.Write(file, [&](const ByteSink& sink) {
-    sink(HashUnder(key, packed));
-    sink(packed);
-  });
+  folder.Write(
+      file,
+      [&](const ByteSink& sink) {
+        sink(HashUnder(key, packed));
+        sink(packed);
+      },
+      OnDisk::kLater);
 }
 
 std::optional<std::string> OutputFolder::ReadCheckpoint(const std::string& key, Kept which) const {
@@ -264,7 +267,7 @@ const Folder& ResultSet::Staging() {
 }
 
 void ResultSet::Stage(const std::string& name, const ByteSource& write) {
-  Staging().Write(folder_.below_ / name, write);
+  Staging().Write(folder_.below_ / name, write, OnDisk::kLater);  // Publish() waits for all of them
 }
 
 void ResultSet::List(const std::string& name, const Manifest::File& file) {
@@ -335,12 +338,7 @@ std::vector<std::string> ResultSet::NamesOfOld() const {
 }
 
 void ResultSet::Publish() {
-  const Folder& staging = Staging();
-  std::set<fs::path> folders{""};
-  for (const auto& [name, file] : manifest_.files)
-    for (fs::path path = fs::path(name).parent_path(); !path.empty(); path = path.parent_path())
-      folders.insert(path);
-  for (const fs::path& folder : folders) staging.Below(folder).Sync();
+  Staging().SyncAll();
   const std::vector<std::string> old = NamesOfOld();
   published_ = true;
   SwapResults(folder_.folder(), old);

@@ -121,7 +121,7 @@ class ResultSet {
   ResultSet(const ResultSet&) = delete;
   ResultSet& operator=(const ResultSet&) = delete;
 
-  /// Adds a file (name below the folder); it is on the disk when this returns. Throws InputError.
+  /// Adds a file (name below the folder). Throws InputError.
   void Add(const std::string& name, std::string_view bytes);
   void Add(const std::string& name, const ByteSource& write);
 
@@ -135,8 +135,9 @@ class ResultSet {
   /// Where the files are until they are published.
   std::filesystem::path staged() const;
 
-  /// Puts the set in the place of the one before: of what its manifest and `names` name. Everything else
-  /// stays. Where it throws (InputError), the one before stands as it was.
+  /// Waits until all files are on the disk, and puts the set in the place of the one before: of what its
+  /// manifest and `names` name. Everything else stays. Where it throws (InputError), the one before stands as
+  /// it was.
   void Publish();
 
  private:

@@ -153,6 +153,7 @@ ssize_t write(int file, const void* bytes, size_t size) {
   return Real<ssize_t(int, const void*, size_t)>("write")(file, bytes, size);
 }
 
+int syncfs(int file) { return Fails(PathOf(file)) ? -1 : Real<int(int)>("syncfs")(file); }
 int fsync(int file) { return Fails(PathOf(file)) ? -1 : Real<int(int)>("fsync")(file); }
 
 int openat(int folder, const char* name, int flags, ...) {
