@@ -89,7 +89,8 @@ Field<S> Key(std::string key, Access, Codec<T> codec, std::string doc) {
                 "the codec is of another type than the place");
   const auto place = [](void* settings) -> void* { return &Access{}(*static_cast<S*>(settings)); };
   return codec_detail::Typed<S>(codec_detail::MakeField(
-      std::move(key), codec_detail::Placed({std::move(codec), codec.read.any(), codec.write.any()}, place),
+      std::move(key),
+      codec_detail::Placed({static_cast<CodecText&&>(codec), codec.read.any(), codec.write.any()}, place),
       std::move(doc), &codec_detail::DefaultsOf<S>()));
 }
 
@@ -129,7 +130,8 @@ inline constexpr auto kSelf = [](auto& settings) -> auto& { return settings; };
 template <class S>
 Codec<S> Section(std::vector<Field<S>> fields, const ReadOf<S>& check = {}) {
   std::vector<codec_detail::AnyField> any;
-  for (Field<S>& field : fields) any.push_back({std::move(field), field.read.any(), field.write.any()});
+  for (Field<S>& field : fields)
+    any.push_back({static_cast<FieldText&&>(field), field.read.any(), field.write.any()});
   codec_detail::AnyCodec section = codec_detail::SectionOf(std::move(any), check.any());
   return {std::move(section.text), ReadOf<S>(std::move(section.read)), WriteOf<S>(std::move(section.write))};
 }

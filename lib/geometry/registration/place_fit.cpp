@@ -275,7 +275,8 @@ class Fit {
       const int out = unknowns_ - kept;
       ProbeVector left_out(out);
       for (int k = 0; k < out; ++k)
-        left_out[k] = found_.bending->modes[static_cast<size_t>(kept - 6 + k)] + step[kept + k];
+        left_out[k] =
+            found_.bending->modes[static_cast<size_t>(kept) + static_cast<size_t>(k) - 6] + step[kept + k];
       const ProbeMatrix of = inverse.bottomRightCorner(out, out);
       squares_.push_back(out == 0 ? least : least + left_out.dot(SolveSymmetric(of, left_out)));
     }
@@ -319,7 +320,7 @@ class Fit {
     };
     if (way.tail(way.size() - 6).squaredNorm() > 0.5) return "a bending";
     if (way.segment<3>(3).squaredNorm() < kMostly) return "a shift along " + words(way.head<3>());
-    const std::string turn = "a turn about " + words(way.segment<3>(3));
+    std::string turn = "a turn about " + words(way.segment<3>(3));
     if (way.head<3>().squaredNorm() < kMostly) return turn;
     return turn + " with a shift along " + words(way.head<3>());
   }

@@ -68,7 +68,7 @@ void ReadExpression(const Value& value, const Context& context, Objective& objec
   try {
     if (!Expression::Looks(text.text))
       return place.Add(text.mark, UnknownName("index or function", text.text, Expression::Names()));
-    Expression{text.text};
+    static_cast<void>(Expression(text.text));
     objective = {text.text, {}};
   } catch (const InputError& error) {
     for (const Problem& problem : error.problems()) place.Add(text.mark, problem.message);

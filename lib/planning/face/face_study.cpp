@@ -19,7 +19,7 @@ constexpr double kAbove = 5;  // mm over the cutter's radius within which materi
 Vector3d InBall(RandomStream& random) {
   for (;;) {
     const double x = random.Uniform(-1, 1), y = random.Uniform(-1, 1), z = random.Uniform(-1, 1);
-    const Vector3d v(x, y, z);
+    Vector3d v(x, y, z);
     if (v.squaredNorm() <= 1) return v;
   }
 }

@@ -75,7 +75,9 @@ class NodeIndex {
   int At(int branch, int place) const {
     int at = place - first_;
     if (ring_ > 0) at = (at % ring_ + ring_) % ring_;
-    return at < 0 || at >= size_ ? -1 : at_[static_cast<size_t>(branch * size_ + at)];
+    return at < 0 || at >= size_
+               ? -1
+               : at_[static_cast<size_t>(branch) * static_cast<size_t>(size_) + static_cast<size_t>(at)];
   }
 
  private:

@@ -136,7 +136,7 @@ Pose ReadTool(LineScanner& scan, const ToolLoad& load) {
   const size_t start = scan.Next();
   if (!ReadTruth(scan)) scan.FailFrom(start, "TRUE expected: the robot holds the tool");
   scan.Expect(",");
-  const Pose frame = ReadPose(scan);
+  Pose frame = ReadPose(scan);
   scan.Expect(",");
   scan.Expect("[");
   ExpectNum(scan, load.mass, "kg, the cell's tool.load");

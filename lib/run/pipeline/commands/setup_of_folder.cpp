@@ -225,7 +225,7 @@ void AddFirstRuns(const std::vector<OperationWithTree>& operations, SetupSheet& 
       SheetSection& section = by_controller[controller];
       section.title = "Before a first run: " + controller;
       for (const auto& [what, how] : FirstRunSteps(one.inputs, controller)) {
-        const std::string step = what + ": " + how;
+        const std::string step = fmt::format("{}: {}", what, how);
         if (std::ranges::find(section.steps, step) == section.steps.end()) section.steps.push_back(step);
       }
     }
