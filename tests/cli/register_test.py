@@ -87,9 +87,13 @@ class Register(InFolder):
         at = next(i for i, line in enumerate(lines) if line.strip().startswith("pose: {xyz_mm"))
         lines[at] = "  " + POSE
         self.assertEqual("\n".join(lines) + "\n", before)
-        # The pose that was written is found again, and is known as well.
-        again = json.loads(self.register("--json").stdout)
+        # What was written is found again from there, and known as well about the same place of the part.
+        def centre():
+            return [float(x) for x in re.search(r"centre_mm: \[(.*?)\]", self.job.read_text())[1].split(",")]
+        about = centre()
+        again = json.loads(self.register("--json", "--write-job", self.job).stdout)
         self.assertLess(again["moved_mm"], 1e-3)
+        self.assertLess(max(abs(a - b) for a, b in zip(centre(), about)), 2.1e-3)
         # A plan says how far its face may be off.
         out = self.folder / "out"
         changes = [word for change in ("toolpath.stepover_mm=40", "toolpath.spacing_mm=40", "programs=[]",

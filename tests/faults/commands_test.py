@@ -463,7 +463,8 @@ class Matrix:
                 with self.subTest(fault=fault, at=at, of=count):
                     shutil.rmtree(row.top)
                     shutil.copytree(kept, row.top, symlinks=True)
-                    self.try_at(row, at, fault, again=ALL or turn % 4 == 2)
+                    # After the last operation a command finds what it has made itself.
+                    self.try_at(row, at, fault, again=ALL or turn % 4 == 2 or at == count)
 
     @staticmethod
     def run_row(row, **fault):

@@ -62,13 +62,9 @@ class Fit {
   void Take(size_t stride) {
     taken_.clear();
     for (size_t i = 0; i < points_.size(); i += stride) taken_.push_back(i);
-    const Eigen::Isometry3d back = found_.X.inverse(Eigen::Isometry);
-    Vector3d sum = Vector3d::Zero();
-    for (const size_t i : taken_) sum += back * points_[i].measured;
-    found_.centre = sum / static_cast<double>(taken_.size());
   }
 
-  /// Where the points lie on the part with the pose as it is.
+  /// Where the points lie on the part with the pose as it is, and their centre.
   void Look() {
     constexpr size_t kChunk = 256;
     const Eigen::Isometry3d back = found_.X.inverse(Eigen::Isometry);
@@ -83,6 +79,9 @@ class Fit {
                                        : part_.Equations(points_[i], places_[i], normal);
       }
     });
+    Vector3d sum = Vector3d::Zero();
+    for (const size_t i : taken_) sum += places_[i];
+    found_.centre = sum / static_cast<double>(taken_.size());
   }
 
   /// What a point says of the bent part: the unbent one is asked, and answers are bent with it.

@@ -372,8 +372,11 @@ std::string RegisteredPart::RegisteredYaml() const {
 }
 
 double RegisteredPart::CovarianceMrad(int i, int j) const {
+  constexpr double kRounding = 1e-9;  // a correlation below it is what rounding leaves of none
   const auto per_mrad = [](int k) { return k >= 3 && k < 6 ? 1e3 : 1.0; };
-  return found.covariance(i, j) * per_mrad(i) * per_mrad(j) + 0.0;
+  const ProbeMatrix& all = found.covariance;
+  if (std::abs(all(i, j)) <= kRounding * std::sqrt(all(i, i) * all(j, j))) return 0;
+  return all(i, j) * per_mrad(i) * per_mrad(j);
 }
 
 RegisteredPart RegisterPart(const RegisterArguments& arguments, const Execution& execution) {
