@@ -84,6 +84,18 @@ void QueryLog::Take(const QueryLog& other) {
   met_.insert(other.met_.begin(), other.met_.end());
 }
 
+void QueryLog::Take(const Queries& earlier) {
+  const std::lock_guard lock(mutex_);
+  for (const PoseBox& box : earlier.boxes) {
+    Place place;
+    for (size_t i = 0; i < 6; ++i)
+      place[i] = static_cast<int16_t>(
+          std::floor(0.5 * (static_cast<double>(box.low[i]) + box.high[i]) / kTogether[i]));
+    Widen(place, box);
+  }
+  met_.insert(earlier.met.begin(), earlier.met.end());
+}
+
 Queries QueryLog::Collected() const {
   // In one order, whatever the threads' was.
   std::vector<std::pair<Place, PoseBox>> sorted(boxes_.begin(), boxes_.end());

@@ -37,6 +37,8 @@ class QueryLog {
   void Meet(const std::string& body) { met_.insert(body); }
   /// Adds what another has collected; may be called from several threads.
   void Take(const QueryLog& other);
+  /// The same of what was collected before.
+  void Take(const Queries& earlier);
 
   Queries Collected() const;
 

@@ -27,20 +27,21 @@ struct Ranked {
 class Comparer {
  public:
   Comparer(const Stations& stations, const std::vector<PassResult>& passes,
-           const FixedRotationOptions& options)
+           const FixedRotationOptions& options, std::vector<FixedPass>& of_passes)
       : options_(options),
         stations_(stations),
         compared_(Compared(passes)),
         face_(OfFace(passes, options.finished_from)) {
     size_t number = 0;
-    for (const PassResult& pass : passes) {
+    for (size_t i = 0; i < passes.size(); ++i) {
+      const PassResult& pass = passes[i];
       if (std::ranges::any_of(pass.points,
                               [](const auto& point) { return point.skip == Infeasibility::kNone; }))
-        passes_.push_back({&pass, number, {}, {stations, pass, options}, {}});
+        passes_.push_back({pass, number, of_passes[i], {of_passes[i].stations, pass, options}});
       number += pass.points.size();
     }
     RankBy(stations);
-    for (OfPass& pass : passes_) pass.free.assign(8 * pass.table.rotations, 0);
+    for (OfPass& pass : passes_) pass.of.known.free.resize(pass.Table().entries.size(), 0);
   }
 
   FixedComparison Compare() {
@@ -48,10 +49,10 @@ class Comparer {
     for (const OfPass& pass : passes_) {
       const PlannedIn in = In(pass);
       std::vector<Joints> q;
-      for (const PlannedPoint& planned : pass.pass->points) q.push_back(planned.q);
+      for (const PlannedPoint& planned : pass.pass.points) q.push_back(planned.q);
       comparison.plan_gears.Add(GearsWith(pass, in, q));
-      for (size_t t = 0; t < pass.pass->points.size(); ++t) {
-        const PlannedPoint& planned = pass.pass->points[t];
+      for (size_t t = 0; t < pass.pass.points.size(); ++t) {
+        const PlannedPoint& planned = pass.pass.points[t];
         if (compared_(planned))
           comparison.plan.push_back(FiguresAt(in.At(t).problem, planned, planned.q, planned.objective));
       }
@@ -69,23 +70,29 @@ class Comparer {
 
  private:
   struct OfPass {
-    const PassResult* pass;
+    const PassResult& pass;
     size_t first_point;
-    FixedTable table;
+    FixedPass& of;
     FixedInterference interference;
-    std::vector<char> free;  ///< per rotation and branch: 0 not looked at, 1 free, 2 not
+    size_t ranked_by = 0;  ///< which table
+
+    const FixedTable& Table() const { return of.known.tables[ranked_by]; }
   };
 
-  /// Ranks rotations by the objective of `ranking` from now on; what is free does not change.
-  void RankBy(const Stations& ranking) {
+  /// Ranks rotations from now on by the objective of `ranking`, which that of the tables is; what is free
+  /// does not change.
+  void RankBy(const Stations& ranking, size_t table = 0) {
     ParallelFor(passes_.size(), options_.threads, options_.stop, [&](size_t i) {
-      passes_[i].table =
-          MakeFixedTable({ranking, *passes_[i].pass}, compared_, {options_.rotation_step, options_.steps});
+      std::vector<FixedTable>& tables = passes_[i].of.known.tables;
+      passes_[i].ranked_by = table;
+      if (tables.size() == table)
+        tables.push_back(
+            MakeFixedTable({ranking, passes_[i].pass}, compared_, {options_.rotation_step, options_.steps}));
     });
   }
 
   /// Made when it is needed: where axes move along passes all points together would be many.
-  PlannedIn In(const OfPass& pass) const { return {stations_, *pass.pass}; }
+  PlannedIn In(const OfPass& pass) const { return {stations_, pass.pass}; }
 
   /// How rotations are ranked, and up to which worst value they count.
   struct Criterion {
@@ -108,7 +115,7 @@ class Comparer {
   static std::vector<Ranked> Branches(const OfPass& pass, size_t rotation, const Criterion& by) {
     std::vector<Ranked> ranked;
     for (int branch = 0; branch < 8; ++branch) {
-      const FixedTable::Entry& entry = pass.table.At(rotation, branch);
+      const FixedTable::Entry& entry = pass.Table().At(rotation, branch);
       if (entry.serves && entry.worst <= by.limit)
         ranked.push_back({entry.worst, entry.sum, rotation, branch});
     }
@@ -118,9 +125,9 @@ class Comparer {
 
   /// Whether the pass is free of interference at a rotation on a branch; remembered.
   static bool Free(OfPass& pass, const Ranked& ranked) {
-    char& free = pass.free[8 * ranked.rotation + static_cast<size_t>(ranked.branch)];
+    char& free = pass.of.known.free[8 * ranked.rotation + static_cast<size_t>(ranked.branch)];
     if (free == 0)
-      free = pass.interference.IsFree(pass.table.Rotation(ranked.rotation), ranked.branch) ? 1 : 2;
+      free = pass.interference.IsFree(pass.Table().Rotation(ranked.rotation), ranked.branch) ? 1 : 2;
     return free == 1;
   }
 
@@ -134,7 +141,7 @@ class Comparer {
   /// What every rotation gives the job at best, interference left aside; the best first.
   std::vector<Ranked> JobBounds(const Criterion& by) const {
     std::vector<Ranked> bounds;
-    for (size_t r = 0; r < passes_.front().table.rotations; ++r) {
+    for (size_t r = 0; r < passes_.front().Table().rotations; ++r) {
       Ranked bound{0, 0, r, 0};
       for (const OfPass& pass : passes_) {
         const std::vector<Ranked> branches = Branches(pass, r, by);
@@ -151,7 +158,7 @@ class Comparer {
   /// The best free branch of every pass at a rotation; empty where one has none, which is `in_the_way` then.
   /// Passes are asked from the one on that was in the way last, for what meets something at one rotation
   /// mostly does so beside it at the next. They are asked in batches, each twice as large as the one before:
-  /// so what is looked at, which is kept with the result, is the same for any number of threads.
+  /// so what is looked at, which is kept, is the same for any number of threads.
   std::vector<Ranked> ServedAtAll(size_t rotation, const Criterion& by, size_t& in_the_way) {
     std::vector<size_t> order(passes_.size());
     std::iota(order.begin(), order.end(), 0);
@@ -197,7 +204,7 @@ class Comparer {
 
   FixedChoice ChoiceOf(const BestOfJob& best) const {
     FixedChoice choice = FiguresOf(best.passes);
-    choice.rotations = {passes_.front().table.Rotation(best.whole.rotation)};
+    choice.rotations = {passes_.front().Table().Rotation(best.whole.rotation)};
     return choice;
   }
 
@@ -222,7 +229,7 @@ class Comparer {
   void CompareByLength(FixedComparison& comparison) {
     PoseProblem problem = stations_.problem();
     problem.objective = MakeObjective("process_force", {});
-    RankBy(Stations(stations_.world(), std::move(problem)));
+    RankBy(Stations(stations_.world(), std::move(problem)), 1);
     const Criterion by{options_.worst_first};
     size_t in_the_way = kNone;
     if (!comparison.job.points.empty())
@@ -237,7 +244,7 @@ class Comparer {
   /// The best free rotation and branch of a pass.
   static std::optional<Ranked> BestOf(OfPass& pass, const Criterion& by) {
     std::vector<Ranked> all;
-    for (size_t r = 0; r < pass.table.rotations; ++r)
+    for (size_t r = 0; r < pass.Table().rotations; ++r)
       std::ranges::copy(Branches(pass, r, by), std::back_inserter(all));
     by.Sort(all);
     for (const Ranked& ranked : all)
@@ -263,7 +270,7 @@ class Comparer {
         if (best[done]) continue;
         comparison.passes_in_the_way =
             fmt::format("no rotation serves pass {} on one branch within limits, steps and clearances",
-                        passes_[done].pass->pass);
+                        passes_[done].pass.pass);
         return;
       }
     }
@@ -279,8 +286,8 @@ class Comparer {
   /// The rotation that leaves fewest points without a pose, and these.
   std::string WhyNoneServes() const {
     std::vector<const PassResult*> results;
-    for (const OfPass& pass : passes_) results.push_back(pass.pass);
-    const FixedTable& grid = passes_.front().table;
+    for (const OfPass& pass : passes_) results.push_back(&pass.pass);
+    const FixedTable& grid = passes_.front().Table();
     const MissingPoints missing = FewestMissing(stations_, results, grid, options_.threads, options_.stop);
     const double degrees = RadToDeg(grid.Rotation(missing.rotation));
     std::vector<size_t> numbers;
@@ -297,15 +304,22 @@ class Comparer {
         degrees);
   }
 
+  /// Where the best rotations meet something, asked anew: what is known of a pass does not tell.
   std::string WhyNoneIsFree(const std::vector<Ranked>& bounds, size_t in_the_way) const {
+    constexpr size_t kMostTold = 5, kMostAsked = 32;
     const OfPass& pass = passes_[in_the_way];
+    FixedInterference interference(pass.of.stations, pass.pass, options_);
+    for (size_t i = 0; i < std::min(bounds.size(), kMostAsked); ++i)
+      for (const Ranked& ranked : Branches(pass, bounds[i].rotation, {options_.worst_first}))
+        if (interference.met().size() < kMostTold)
+          interference.IsFree(pass.Table().Rotation(ranked.rotation), ranked.branch);
     std::vector<size_t> numbers;
-    for (const size_t t : pass.interference.met())
-      if (numbers.size() < 5) numbers.push_back(pass.first_point + t);
+    for (const size_t t : interference.met()) numbers.push_back(pass.first_point + t);
     return fmt::format(
-        "{} rotations serve every point within the limits, none is free of interference; in pass "
-        "{} it is met at points {}",
-        bounds.size(), pass.pass->pass, fmt::join(numbers, ", "));
+        "{} rotations serve every point within the limits, none is free of interference; in pass {} {}",
+        bounds.size(), pass.pass.pass,
+        numbers.empty() ? "the ends cannot be left"
+                        : fmt::format("it is met at points {}", fmt::join(numbers, ", ")));
   }
 
   static PointFigures FiguresAt(const PoseProblem& problem, const PlannedPoint& planned, const Joints& q,
@@ -325,7 +339,7 @@ class Comparer {
   FixedChoice FiguresOf(const std::vector<Ranked>& chosen) const {
     std::vector<FixedChoice> of_pass(passes_.size());
     ParallelFor(passes_.size(), options_.threads, options_.stop, [&](size_t i) {
-      of_pass[i] = {{}, {passes_[i].table.Rotation(chosen[i].rotation)}, {}};
+      of_pass[i] = {{}, {passes_[i].Table().Rotation(chosen[i].rotation)}, {}};
       AddFigures(passes_[i], chosen[i], of_pass[i]);
     });
     FixedChoice all;
@@ -339,13 +353,13 @@ class Comparer {
 
   void AddFigures(const OfPass& pass, const Ranked& ranked, FixedChoice& choice) const {
     const PlannedIn in = In(pass);
-    std::vector<Joints> q(pass.pass->points.size());
+    std::vector<Joints> q(pass.pass.points.size());
     for (size_t t = 0; t < q.size(); ++t) {
-      const PlannedPoint& planned = pass.pass->points[t];
+      const PlannedPoint& planned = pass.pass.points[t];
       if (planned.skip != Infeasibility::kNone) continue;
       const PoseProblem& problem = in.At(t).problem;
-      const Candidate candidate = PointScorer(problem, planned.point, pass.pass->rotation_reference)
-                                      .ScoreOne({pass.table.Rotation(ranked.rotation)}, ranked.branch);
+      const Candidate candidate = PointScorer(problem, planned.point, pass.pass.rotation_reference)
+                                      .ScoreOne({pass.Table().Rotation(ranked.rotation)}, ranked.branch);
       q[t] = candidate.q;
       if (compared_(planned))
         choice.points.push_back(FiguresAt(problem, planned, candidate.q, candidate.objective));
@@ -359,10 +373,10 @@ class Comparer {
     const Mechanism mechanism(stations_.world().cell().external_axes);
     GearCourse course;
     FollowPass(
-        options_.gears, {problem.arm, problem.X_FT, mechanism}, *pass.pass,
+        options_.gears, {problem.arm, problem.X_FT, mechanism}, pass.pass,
         [&](size_t t) {
-          return PosedPoint{&pass.pass->points[t].point, q[t], in.At(t).problem.X_WB,
-                            ExternalAt(*pass.pass, t)};
+          return PosedPoint{&pass.pass.points[t].point, q[t], in.At(t).problem.X_WB,
+                            ExternalAt(pass.pass, t)};
         },
         face_, course);
     return TallyOf(course, options_.gears, mechanism.axes());
@@ -378,8 +392,14 @@ class Comparer {
 }  // namespace
 
 FixedComparison CompareWithFixed(const Stations& stations, const std::vector<PassResult>& passes,
+                                 const FixedRotationOptions& options, std::vector<FixedPass>& of_passes) {
+  return Comparer(stations, passes, options, of_passes).Compare();
+}
+
+FixedComparison CompareWithFixed(const Stations& stations, const std::vector<PassResult>& passes,
                                  const FixedRotationOptions& options) {
-  return Comparer(stations, passes, options).Compare();
+  std::vector<FixedPass> of_passes(passes.size(), {stations, {}});
+  return CompareWithFixed(stations, passes, options, of_passes);
 }
 
 }  // namespace millpose

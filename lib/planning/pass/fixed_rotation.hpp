@@ -7,6 +7,7 @@
 #include "planning/external/stations.hpp"
 #include "planning/ladder/step_bound.hpp"
 #include "planning/links/retract.hpp"
+#include "planning/pass/fixed_table.hpp"
 #include "planning/pose/scorer.hpp"
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
@@ -26,8 +27,24 @@ struct FixedRotationOptions {
   RetractOptions leave;  ///< of the ends of pieces, with the share of the clearances that the plan has there
 };
 
-/// `passes` with joint angles as planned, each at its station. Rotations lie on the grid of the ladder
-/// search.
+/// What a comparison finds out about one pass. It serves again while the pass, the problem, the options and
+/// the answers about bodies stay the same.
+struct FixedOfPass {
+  std::vector<FixedTable> tables;  ///< by the plan's objective; then by |cF|, where that was asked for
+  std::vector<char> free;  ///< per rotation and branch as in the tables: 0 not looked at, 1 free, 2 not
+};
+
+/// Where bodies are asked about for one pass, and what is known of it; the comparison adds to that.
+struct FixedPass {
+  Stations stations;
+  FixedOfPass known;
+};
+
+/// `passes` with joint angles as planned, each at its station, and one of `of_passes` for each. Rotations lie
+/// on the grid of the ladder search. What is known changes nothing but the time it takes.
+FixedComparison CompareWithFixed(const Stations& stations, const std::vector<PassResult>& passes,
+                                 const FixedRotationOptions& options, std::vector<FixedPass>& of_passes);
+/// With nothing known.
 FixedComparison CompareWithFixed(const Stations& stations, const std::vector<PassResult>& passes,
                                  const FixedRotationOptions& options);
 

@@ -45,6 +45,8 @@ class TableMaker {
       Add(PointScorer(in.At(t).problem, planned.point, pass.rotation_reference), starts, counts(planned));
     }
     if (piece >= 0) EndSegment(closed, last, first);
+    for (FixedTable::Entry& entry : table_.entries)
+      if (!entry.serves) entry.worst = entry.sum = 0;
     return std::move(table_);
   }
 

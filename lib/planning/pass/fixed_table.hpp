@@ -18,7 +18,7 @@ struct FixedTable {
   };
   size_t rotations = 0;
   double first = 0, step = 0;  ///< rad, of the grid
-  std::vector<Entry> entries;  ///< 8 branches a rotation; once one does not serve, its figures mean nothing
+  std::vector<Entry> entries;  ///< 8 branches a rotation; the figures of one that does not serve are 0
 
   const Entry& At(size_t rotation, int branch) const {
     return entries[8 * rotation + static_cast<size_t>(branch)];

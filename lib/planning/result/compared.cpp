@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "planning/result/compared.hpp"
 
+#include <algorithm>
+
 namespace millpose {
 
+bool MaterialIsKnown(const std::vector<PassResult>& passes) {
+  return std::ranges::any_of(passes, [](const PassResult& pass) {
+    return std::ranges::any_of(pass.points, [](const PlannedPoint& planned) {
+      return planned.point.engagement.side != CutSide::kAir;
+    });
+  });
+}
+
 PointFilter Compared(const std::vector<PassResult>& passes) {
-  bool forces = false;
-  for (const PassResult& pass : passes)
-    for (const PlannedPoint& planned : pass.points)
-      forces = forces || planned.point.engagement.side != CutSide::kAir;
-  return [forces](const PlannedPoint& planned) {
+  return [forces = MaterialIsKnown(passes)](const PlannedPoint& planned) {
     return planned.skip == Infeasibility::kNone && planned.point.kind == PointKind::kCut &&
            (!forces || planned.point.engagement.side != CutSide::kAir);
   };

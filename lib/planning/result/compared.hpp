@@ -10,6 +10,9 @@ namespace millpose {
 /// Which points count.
 using PointFilter = std::function<bool(const PlannedPoint&)>;
 
+/// Whether some points are known to be in material.
+bool MaterialIsKnown(const std::vector<PassResult>& passes);
+
 /// The planned cut points; where some are known to be in material only these.
 PointFilter Compared(const std::vector<PassResult>& passes);
 

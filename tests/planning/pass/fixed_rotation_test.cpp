@@ -2,6 +2,7 @@
 #include "planning/pass/fixed_rotation.hpp"
 
 #include "base/random.hpp"
+#include "base/value_bytes.hpp"
 #include "machine/robot/angles.hpp"
 #include "machine/stiffness/compliance.hpp"
 #include "planning/pass/fewest_missing.hpp"
@@ -258,6 +259,49 @@ TEST(FixedRotation, SaysWhatIsInTheWay) {
   EXPECT_TRUE(found.passes.points.empty());
   EXPECT_NE(found.job_in_the_way.find("points: "), std::string::npos) << found.job_in_the_way;
   EXPECT_NE(found.passes_in_the_way.find("pass 0"), std::string::npos) << found.passes_in_the_way;
+}
+
+/// A wrist, and a ball of this radius (mm) about where it is in the middle of the first row.
+Cell CellWithBall(const PoseProblem& problem, const std::vector<PassResult>& planned, double radius) {
+  Cell cell = EmptyCell(problem);
+  Body wrist{
+      .name = "wrist", .body_class = BodyClass::kLink, .mount = Mount::kLink, .link = 5, .shape = Sphere{8}};
+  Body ball{
+      .name = "ball", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{radius}};
+  const Joints& q = planned[0].points[planned[0].points.size() / 2].q;
+  ball.X_MG.translation() = (problem.X_WB * LinkFrames(problem.arm, q)[5]).translation();
+  cell.bodies = {wrist, ball};
+  return cell;
+}
+
+TEST(FixedRotation, WhatIsKnownOfPassesChangesNothing) {
+  PoseProblem problem = MakeProblem(Kr500R2830());
+  problem.objective = MakeObjective("surface_error", {});
+  const std::vector<PassResult> planned = Plan(problem, World(EmptyCell(problem)), Rows(), true);
+  size_t served = 0, in_the_way = 0;
+  for (const double radius : {1.0, 40.0, 2000.0}) {  // mm: of few rotations, of many, of all
+    const Cell cell = CellWithBall(problem, planned, radius);
+    const Stations stations{World(cell), problem};
+    std::vector<FixedPass> known(planned.size(), {stations, {}});
+    for (const bool worst_first : {true, false, true}) {
+      const std::string anew = HashOfValues(CompareWithFixed(stations, planned, FixedOptions(worst_first)));
+      // Of one pass from before, of the other as it comes.
+      std::vector<FixedPass> half = known;
+      half[1].known = {};
+      EXPECT_EQ(HashOfValues(CompareWithFixed(stations, planned, FixedOptions(worst_first), half)), anew);
+      EXPECT_EQ(HashOfValues(CompareWithFixed(stations, planned, FixedOptions(worst_first), known)), anew);
+    }
+    // All is known by now, so that nothing is asked but what is in the way.
+    const auto looks = std::make_shared<QueryLog>();
+    for (FixedPass& of : known) of.stations = Stations(World(cell).Recording(looks), problem);
+    const FixedComparison found = CompareWithFixed(stations, planned, FixedOptions(true), known);
+    EXPECT_EQ(looks->Collected().boxes.empty(), !found.job.points.empty());
+    ++(found.job.points.empty() ? in_the_way : served);
+    const bool told = found.job_in_the_way.find("it is met at points ") != std::string::npos;
+    EXPECT_EQ(told, found.job.points.empty()) << found.job_in_the_way;
+  }
+  EXPECT_GT(served, 0u);
+  EXPECT_GT(in_the_way, 0u);
 }
 
 /// What is in the way of a rotation.

@@ -78,7 +78,7 @@ TEST(KeptPass, WhatFollowsFromAllPassesIsKeptAsWell) {
   const auto before = kept.stages;
   const std::string far = BoxStl(-3000, 1500, 50);
   const PlannedJob again = posts.Plan(far, kept);
-  for (const std::string stage : {"ends", "fixed", "programs-linuxcnc"})
+  for (const std::string stage : {"ends", "fixed-0", "programs-linuxcnc"})
     EXPECT_EQ(kept.stages.at(stage), before.at(stage)) << stage;
   EXPECT_EQ(test::BytesOf(again), test::BytesOf(posts.Plan(far, NoCheckpoints())));
   EXPECT_NE(again.programs.programs[0].files, first.programs.programs[0].files) << "the inputs have a name";

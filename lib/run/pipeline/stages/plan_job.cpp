@@ -11,11 +11,11 @@
 #include "job/plausible.hpp"
 #include "job/raw_stock.hpp"
 #include "planning/links/job_planner.hpp"
-#include "planning/pass/nominal_plan.hpp"
 #include "planning/pass/pass_checks.hpp"
 #include "planning/pass/revolutions.hpp"
 #include "planning/result/skipped.hpp"
 #include "run/pipeline/programs/program_stage.hpp"
+#include "run/pipeline/stages/compare_fixed.hpp"
 #include "run/pipeline/stages/finer_passes.hpp"
 #include "run/pipeline/stages/other_stations.hpp"
 #include "run/pipeline/stages/other_ways.hpp"
@@ -23,8 +23,6 @@
 #include "run/pipeline/stages/plan_link_moves.hpp"
 #include "run/pipeline/stages/plan_passes.hpp"
 #include "run/pipeline/stages/repair_ends.hpp"
-#include "store/cached_stage.hpp"
-#include "store/plan_key.hpp"
 
 namespace millpose {
 namespace {
@@ -70,22 +68,6 @@ size_t LeaveIncomplete(const Toolpath& toolpath, std::vector<PassResult>& passes
           "other points of its hole or contour are skipped, and these are milled completely or not at all");
   }
   return left_out;
-}
-
-/// CompareWithFixed(), or what it came to before.
-FixedComparison KeptComparison(const JobInputs& inputs, const PreparedJob& prepared,
-                               const std::vector<PassResult>& passes, const CheckpointStore& checkpoints,
-                               const Execution& execution) {
-  const FixedRotationOptions options =
-      MakeFixedOptions(inputs.job, inputs.cell, passes.size(), execution.Threads(), execution.stop);
-  const auto& [rotation_step, steps, swept_resolution, worst_first, gears, finished_from, threads, stop,
-               leave] = options;
-  const std::string key = StageKey(prepared.problem, rotation_step, steps, swept_resolution, worst_first,
-                                   gears, finished_from, leave, KeyOf(passes, threads));
-  return CachedInWorld<FixedComparison>(
-      checkpoints, "fixed", key, prepared.stations.AtOwnAxis(), [&](const Stations& stations) {
-        return CompareWithFixed(stations, AtNominalLean(prepared.problem, passes), options);
-      });
 }
 
 // Of how many pieces not all full revolutions were compared.
@@ -188,7 +170,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   }
   ForgetCommanded(plan.passes);
   execution.progress.Begin("fixed rotations", 0);
-  job.fixed = KeptComparison(inputs, job.prepared, plan.passes, checkpoints, execution);
+  job.fixed = CompareFixed(inputs, job.prepared, plan.passes, checkpoints, execution);
   execution.progress.End(fmt::format("{} points compared", job.fixed.plan.size()));
   const std::string left = missing.Count(plan);
   if (!left.empty()) job.prepared.warnings.push_back(left);
