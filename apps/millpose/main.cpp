@@ -152,21 +152,32 @@ void ReportUnknownCommand(const std::string& given, const std::vector<std::strin
            near.empty() ? fmt::format("allowed: {}", fmt::join(names, ", ")) : "nearest: " + near);
 }
 
-// What the chosen subcommand does not know: a mistyped option with the nearest one, or a word too many.
+// "millpose plan": the program and the chosen subcommand.
+std::string CommandOf(const CLI::App& app) {
+  std::string command = "millpose";
+  for (const CLI::App* chosen : app.get_subcommands()) command += ' ' + chosen->get_name();
+  return command;
+}
+
+// What the chosen subcommand does not know: a mistyped option with the nearest one, or a word too many, which
+// is mostly meant for what is written.
 void ReportUnknownArgument(const CLI::App& app) {
   std::vector<std::string> words = app.remaining(true), known;
   const auto option =
       std::ranges::find_if(words, [](const std::string& word) { return word.starts_with('-'); });
   const std::string given = option != words.end() ? *option : words.front();
-  std::string command = "millpose";
-  for (const CLI::App* chosen : app.get_subcommands()) {
-    command += ' ' + chosen->get_name();
+  for (const CLI::App* chosen : app.get_subcommands())
     for (const CLI::Option* knows : chosen->get_options())
       for (const std::string& name : knows->get_lnames()) known.push_back("--" + name);
-  }
-  const std::string near = option != words.end() ? NearestName(given.substr(0, given.find('=')), known) : "";
+  const std::string command = CommandOf(app);
+  const bool maybe_out = std::ranges::find(known, "--out") != known.end() && !given.ends_with(".yaml");
+  std::string hint = fmt::format("{} --help lists what is", command);
+  if (option == words.end() && maybe_out) hint = fmt::format("is it meant as --out {}?", given);
+  if (option != words.end())
+    if (const std::string near = NearestName(given.substr(0, given.find('=')), known); !near.empty())
+      hint = "nearest: " + near;
   ToStderr("millpose: {} {} is not known to {}; {}\n", option != words.end() ? "option" : "argument", given,
-           command, near.empty() ? fmt::format("{} --help lists what is", command) : "nearest: " + near);
+           command, hint);
 }
 
 // Help, version, or what is wrong with the arguments; CLI11's own status.
@@ -174,7 +185,7 @@ int TellParsing(const CLI::App& app, const CLI::Error& error) {
   std::ostringstream out, wrong;
   const int status = app.exit(error, out, wrong);
   fmt::print("{}", out.str());
-  ToStderr("{}", wrong.str());
+  if (status != 0) ToStderr("millpose: {}; {} --help tells more\n", error.what(), CommandOf(app));
   return status;
 }
 

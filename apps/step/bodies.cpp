@@ -43,7 +43,7 @@ NamesByShape ProductNames(const STEPControl_Reader& reader) {
     if (definition.IsNull()) continue;
     const TopoDS_Shape shape = TransferBRep::ShapeResult(process, definition);
     if (shape.IsNull() || (assemblies.Contains(definition) && names.IsBound(shape.TShape()))) continue;
-    if (std::string name = NameOf(*definition); !name.empty()) names.Bind(shape.TShape(), std::move(name));
+    if (const std::string name = NameOf(*definition); !name.empty()) names.Bind(shape.TShape(), name);
   }
   return names;
 }

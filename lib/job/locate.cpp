@@ -57,7 +57,7 @@ yaml::Mark MarkOf(const yaml::Value& root, std::string_view path) {
 
 InputError Located(const InputError& error, const JobInputs& inputs) {
   const std::string& job_file = inputs.job.file;
-  const InputError in_cell = LocatedInCell(error, inputs.cell);
+  InputError in_cell = LocatedInCell(error, inputs.cell);
   yaml::Value root;
   try {
     root = yaml::ReadYaml(inputs.job_text, job_file);

@@ -49,7 +49,7 @@ std::string NameHash(const std::string& text) {
 }
 
 std::string LegalName(const std::string& text, size_t longest, size_t letters) {
-  const std::string name = Legal(text, letters);
+  std::string name = Legal(text, letters);
   if (name.size() <= longest) return name;
   return name.substr(0, longest - kHashLength - 1) + '_' + NameHash(text);
 }

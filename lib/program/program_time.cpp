@@ -76,7 +76,7 @@ double TipRate(const Joints& from, const Joints& to, const Pose& X_FT, const Arm
 /// The axes' largest speeds in a joint motion between cuts.
 Joints WaySpeed(const MotionProgram& program, const Joints& from, const Joints& to, const Arm& arm,
                 const TimeOptions& options) {
-  const Joints speed = options.way_speed_share * arm.speed;
+  Joints speed = options.way_speed_share * arm.speed;
   if (options.way_tip_speed <= 0 && options.way_turn_speed <= 0) return speed;
   const double rate = TipRate(from, to, program.X_FT.value_or(Pose::Identity()), arm, options);
   if (rate == kInfinity) return speed;

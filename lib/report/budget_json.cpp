@@ -24,7 +24,8 @@ std::optional<Budget> ReadBudget(const nlohmann::json& summary) {
   if (!known.is_object()) return std::nullopt;
   Budget budget;
   for (const nlohmann::json& row : known.at("rows")) {
-    std::string key = row.at("source").get<std::string>(), name = key;
+    std::string key = row.at("source").get<std::string>();
+    std::string name = key;
     std::ranges::replace(name, '_', ' ');
     budget.rows.push_back(
         {std::move(key), std::move(name),

@@ -43,8 +43,10 @@ class FaceLattice {
       if (rays_[r].side != side_ || at.x() % step_ != 0 || at.y() % step_ != 0 || !height.IsCut() ||
           !flawless.IsCut())
         continue;
-      map[static_cast<size_t>(at.y() / step_ * size_.x() + at.x() / step_)] = static_cast<float>(
-          kToMicrometres * (height.height - flawless.height - study.expected.figures.added.level));
+      map[static_cast<size_t>(at.y() / step_) * static_cast<size_t>(size_.x()) +
+          static_cast<size_t>(at.x() / step_)] =
+          static_cast<float>(kToMicrometres *
+                             (height.height - flawless.height - study.expected.figures.added.level));
     }
     return map;
   }

@@ -47,6 +47,9 @@ class Frame(unittest.TestCase):
     def test_mistyped_option_is_answered_with_the_nearest(self):
         for arguments, words in ((("plan", JOB, "--thread", "2"), "option --thread is not known to millpose plan; nearest: --threads"),
                                  (("inspect", "x", "y"), "argument y is not known to millpose inspect; millpose inspect --help"),
+                                 (("init", "part.stl", "out"), "argument out is not known to millpose init; is it meant as --out out?"),
+                                 (("plan", JOB, "b.yaml"), "argument b.yaml is not known to millpose plan; millpose plan --help"),
+                                 (("verify",), "millpose: DIR|PROGRAM is required; millpose verify --help"),
                                  (("inspect", TOP), "holds no points.csv; allowed: a folder that millpose plan wrote")):
             result = run(*arguments)
             self.assertEqual((result.returncode, result.stdout), (2, ""))

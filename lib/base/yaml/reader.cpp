@@ -29,10 +29,9 @@ bool IsQuote(char c) { return c == '"' || c == '\''; }
 std::optional<size_t> EndOfQuoted(std::string_view line, size_t from) {
   const char quote = line[from];
   for (size_t i = from + 1; i < line.size(); ++i) {
-    if (quote == '"' && line[i] == '\\')
+    const bool doubled = quote == '\'' && i + 1 < line.size() && line[i + 1] == quote;  // '' is one '
+    if ((quote == '"' && line[i] == '\\') || (line[i] == quote && doubled))
       ++i;
-    else if (line[i] == quote && quote == '\'' && i + 1 < line.size() && line[i + 1] == quote)
-      ++i;  // '' is one ' of the text
     else if (line[i] == quote)
       return i + 1;
   }

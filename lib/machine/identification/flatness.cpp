@@ -59,7 +59,7 @@ MinimumZone ZoneByExchange(const std::vector<Eigen::Vector3d>& points, const Fla
     std::vector<Eigen::Vector3d> some;
     for (const size_t i : chosen) some.push_back(points[i]);
     if (some.size() < 4 || AreCoplanar(some)) return FindMinimumZone(points);
-    const MinimumZone zone = FindMinimumZone(some);
+    MinimumZone zone = FindMinimumZone(some);
     if (!add(zone.normal)) return zone;
   }
 }

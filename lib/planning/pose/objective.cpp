@@ -56,7 +56,7 @@ ObjectiveParameters Complete(const ObjectiveEntry& entry, const ObjectiveParamet
 
 ObjectiveEntry ObjectiveNamed(const std::string& name) {
   if (!Expression::Looks(name)) return Objectives().At(name);
-  Expression{name};
+  [[maybe_unused]] const Expression readable(name);  // throws where it is not
   return ExpressionEntry(name);
 }
 

@@ -230,7 +230,7 @@ std::string FanucPositionText(int number, const FanucPosition& position, const P
     if (axis.group == 1)
       text += ",\n    " + external;
     else
-      second += second.empty() ? "\n   GP2:\n" + frames + "\n    " + external : ", " + external;
+      second.append(second.empty() ? "\n   GP2:\n" + frames + "\n    " : ", ").append(external);
   }
   return text + second + "\n};\n";
 }

@@ -40,9 +40,7 @@ class RapidReader : public RapidModuleReader {
       ReadSignal(scan);
       scan.Expect(",");
       ReadBit(scan);
-    } else if (scan.Accept("Set") || scan.Accept("Reset")) {
-      ReadSignal(scan);
-    } else if (scan.Accept("PulseDO")) {
+    } else if (scan.Accept("Set") || scan.Accept("Reset") || scan.Accept("PulseDO")) {
       ReadSignal(scan);
     } else if (scan.Accept("SetAO") || scan.Accept("SetGO")) {
       ReadSignal(scan);

@@ -65,7 +65,7 @@ void Pause(std::chrono::milliseconds time, const std::stop_token& stop) {
 // nothing that could be waited for.
 std::string IdOf(const std::string& answer) {
   const std::string line = answer.substr(0, answer.find('\n'));
-  const std::string id = line.substr(0, line.find(';'));
+  std::string id = line.substr(0, line.find(';'));
   const bool is_id = !id.empty() && std::ranges::all_of(id, [](char c) { return c >= '0' && c <= '9'; });
   if (!is_id || answer.size() > line.size() + 1)
     throw InputError(

@@ -48,9 +48,10 @@ std::vector<double> AllNumbers(const std::vector<std::string>& words) {
 // Rows of [axes | origin].
 AptFrame FrameOf(const std::vector<double>& rows, std::string name, const SourceLocation& place) {
   AptFrame frame;
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) frame.rotation(r, c) = rows[static_cast<size_t>(4 * r + c)];
-    frame.origin[r] = rows[static_cast<size_t>(4 * r + 3)];
+  for (Eigen::Index r = 0; r < 3; ++r) {
+    const double* row = &rows[4 * static_cast<size_t>(r)];
+    for (Eigen::Index c = 0; c < 3; ++c) frame.rotation(r, c) = row[c];
+    frame.origin[r] = row[3];
   }
   frame.name = std::move(name);
   frame.place = place;

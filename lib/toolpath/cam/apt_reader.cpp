@@ -199,7 +199,7 @@ class AptReader {
 
   // The axis of a point that gives none.
   Eigen::Vector3d AxisOfThree(const AptStatement& statement) {
-    const Eigen::Vector3d up = system_.rotation.col(2);
+    Eigen::Vector3d up = system_.rotation.col(2);
     if (stale_)
       throw InputError(
           statement.major.place,

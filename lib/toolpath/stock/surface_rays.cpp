@@ -92,7 +92,7 @@ double CountRays(const Region& region, double spacing) {
   double area = 0;
   for (int face = 0; face < mesh.face_count(); ++face)
     if (region.HasFace(face)) {
-      const Vector3d a = mesh.Corner(face, 0);
+      const Vector3d& a = mesh.Corner(face, 0);
       area += 0.5 * (mesh.Corner(face, 1) - a).cross(mesh.Corner(face, 2) - a).cwiseAbs().maxCoeff();
     }
   return area / (spacing * spacing);

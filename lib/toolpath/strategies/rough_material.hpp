@@ -24,7 +24,8 @@ struct RoughGrid {
     return Has(column, row) ? At(column, row) : -1;
   }
   Eigen::Vector2d CentreOf(int cell_number) const {
-    return origin + cell * Eigen::Vector2d(cell_number % columns + 0.5, cell_number / columns + 0.5);
+    const int column = cell_number % columns, row = cell_number / columns;
+    return origin + cell * Eigen::Vector2d(column + 0.5, row + 0.5);
   }
 };
 

@@ -248,10 +248,10 @@ class Diff {
     const std::string word = std::string(kind).substr(0, std::string(kind).size() - 1);
     for (const std::string& sentence : one)
       if (std::ranges::find(other, sentence) == other.end())
-        Add("findings", word + " gone: " + sentence, "", "");
+        Add("findings", fmt::format("{} gone: {}", word, sentence), "", "");
     for (const std::string& sentence : other)
       if (std::ranges::find(one, sentence) == one.end())
-        Add("findings", "new " + word + ": " + sentence, "", "");
+        Add("findings", fmt::format("new {}: {}", word, sentence), "", "");
   }
 
   MotionProgram Read(const Side& side, const JobInputs& inputs, const std::string& controller) const {

@@ -31,7 +31,7 @@ th:first-child { width: 40%; }
 /// The folder's name, a link to its report where it has one.
 std::string LinkTo(const fs::path& folder, const fs::path& page) {
   const fs::path report = folder / "report.html";
-  const std::string name = Escaped(folder.string());
+  std::string name = Escaped(folder.string());
   std::error_code none;
   if (!fs::exists(report, none)) return name;
   const fs::path beside = fs::absolute(page, none).parent_path();

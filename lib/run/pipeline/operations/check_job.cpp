@@ -59,7 +59,7 @@ std::vector<std::string> WriteSplitJob(const std::filesystem::path& job, const s
     throw InputError({job.string()},
                      "operations: the job has them already; --split makes them of a CAM file");
   const std::string split = SplitIntoOperations(text, LoadJobInputs(job, AnyTool(job, text, root), {}, root));
-  const std::vector<std::string> names = OutlineOf(split, to.string()).operations;
+  std::vector<std::string> names = OutlineOf(split, to.string()).operations;
   WriteLooseFile(to, split);
   return names;
 }

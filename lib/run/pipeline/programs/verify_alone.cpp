@@ -95,7 +95,7 @@ bool SaysHeld(const std::string& text) {
 
 /// The file that a main program calls by `name`, beside it.
 fs::path CalledFile(const fs::path& main, const CallingSyntax& syntax, const std::string& name) {
-  const fs::path file = main.parent_path() / (name + syntax.called_ending);
+  fs::path file = main.parent_path() / (name + syntax.called_ending);
   if (!fs::exists(file))
     throw InputError(SourceLocation{main.string(), 0, 0, -1},
                      fmt::format("calls {}; {} is not beside it", name, file.filename().string()));
