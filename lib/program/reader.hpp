@@ -115,7 +115,6 @@ class ProgramReader {
   size_t ReadAt(size_t i);
   size_t ReadTexts(size_t i);
   size_t ReadText(const std::string& name, size_t i);
-  bool MayComeNext(const std::string& name) const;
   void ReadTextLines(size_t i, size_t count);
   void AllowText(const std::string& name);
   bool IsChangeByHand() const;

@@ -163,8 +163,6 @@ OutputFolder OutputFolder::Operation(const std::string& name) const {
   return operation;
 }
 
-fs::path OutputFolder::MakeFolder(const fs::path& below) const { return folder_->MakeBelow(below).path(); }
-
 void OutputFolder::Write(const std::string& name, std::string_view bytes) const {
   folder_->Write(below_ / name, bytes);
 }

@@ -69,9 +69,6 @@ class OutputFolder {
   /// What is to be reported about the lock and about damage; lines without ends.
   std::vector<std::string> warnings() const { return *warnings_; }
 
-  /// Makes folders in it ("plans/01"), through no link; returns the path.
-  std::filesystem::path MakeFolder(const std::filesystem::path& below) const;
-
   /// Writes one file (name below the folder) atomically, beside whatever stands there: no part of a set.
   void Write(const std::string& name, std::string_view bytes) const;
 

@@ -87,12 +87,10 @@ ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::st
   report.notes = std::move(raw.notes);
   report.triangles_read = raw.triangles.faces.size();
   Scale(raw.triangles, options.unit, name);
-  WeldCounts weld;
-  Triangles mesh = Weld(raw.triangles, options.weld_tolerance, &weld, BodyOfFaces(raw));
+  Triangles mesh = Weld(raw.triangles, options.weld_tolerance, &report.welded, BodyOfFaces(raw));
   for (std::string& body : raw.bodies) report.bodies.push_back({std::move(body)});
   report.body_of_source = std::move(raw.body_of_source);
   raw = {};
-  report.welded = weld.welded;
   RemoveDegenerate(mesh, options.weld_tolerance, report.repairs);
   RemoveDuplicates(mesh, report.repairs);
   if (mesh.faces.empty())

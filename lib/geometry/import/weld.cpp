@@ -86,7 +86,7 @@ class Grid {
 
 }  // namespace
 
-Triangles Weld(const Triangles& soup, double tolerance, WeldCounts* counts, const std::vector<int>& body_of) {
+Triangles Weld(const Triangles& soup, double tolerance, size_t* joined, const std::vector<int>& body_of) {
   Triangles welded;
   if (soup.faces.empty()) return welded;
   Eigen::AlignedBox3d box;
@@ -121,10 +121,10 @@ Triangles Weld(const Triangles& soup, double tolerance, WeldCounts* counts, cons
     }
     welded.faces.push_back(out);
   }
+  if (joined == nullptr) return welded;
   const auto key = [](const Eigen::Vector3d& p) { return std::tuple(p.x(), p.y(), p.z()); };
   std::ranges::sort(moved, {}, key);
-  const auto joined = static_cast<size_t>(std::unique(moved.begin(), moved.end()) - moved.begin());
-  if (counts != nullptr) *counts = {welded.vertices.size() + joined, joined};
+  *joined = static_cast<size_t>(std::unique(moved.begin(), moved.end()) - moved.begin());
   return welded;
 }
 

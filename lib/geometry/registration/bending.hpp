@@ -11,7 +11,7 @@
 namespace millpose {
 
 /// Unknowns of a part's place: shift, turn, and at most six modes of bending.
-inline constexpr int kMostModes = 6, kLeastModes = 3, kMostUnknowns = 6 + kMostModes;
+inline constexpr int kMostModes = 6, kLeastModes = 3;
 using ProbeVector = Eigen::VectorXd;
 using ProbeMatrix = Eigen::MatrixXd;
 

@@ -54,7 +54,6 @@ class ProbedPart {
                            const std::optional<Eigen::Vector3d>& normal) const;
 
   const Mesh& mesh() const { return mesh_; }
-  bool HasEdges() const { return !edges_.empty(); }
   bool HasHoles() const { return !holes_.empty(); }
   /// Half of the diagonal of the box around it, mm.
   double size() const { return size_; }

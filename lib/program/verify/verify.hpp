@@ -58,10 +58,8 @@ struct VerifyOptions {
   double gap_tolerance = 0.00087266;
   /// rad: one that leaves it by more is checked for interference again (0.1 mm at 4 m).
   double gap_proven = 2.5e-5;
-  double jump_time = 0.1;  ///< s in which a joint must be able to change its speed at a rounded corner
-  double feed_jump = 3;    ///< largest ratio of the feeds before and after a rounded corner
-  double turn_least =
-      1.7453293e-5;           ///< rad (0.001°): nearer to 0 a turn bit (T, TU) says nothing for certain
+  double jump_time = 0.1;     ///< s in which a joint must be able to change its speed at a rounded corner
+  double feed_jump = 3;       ///< largest ratio of the feeds before and after a rounded corner
   double wrist_least = 0.01;  ///< |sin A5| in straight motions: below, the wrist axes race
   bool interference =
       false;  ///< check every motion, not only what leaves the plan's; always so without a plan

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "base/random.hpp"
+#include "base/units.hpp"
 #include "base/value_bytes.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "run/pipeline/stages/compare_fixed.hpp"
 #include "run/pipeline/stages/plan_passes.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 
@@ -17,13 +19,16 @@ class Posts {
  public:
   Posts() : folder_("posts") { test::CopySmallJob(folder_); }
 
-  PlannedJob Plan(const std::string& post, const CheckpointStore& checkpoints,
-                  const std::vector<Override>& overrides = {}) {
+  JobInputs Inputs(const std::string& post, const std::vector<Override>& overrides = {}) {
     folder_.Write("cell.yaml", ReadFile(test::SamplePath("cells/kr500_r2830.yaml")));
     folder_.Change(
         "cell.yaml", "excluded_pairs: []",
         fmt::format("  - {{name: post, class: fixture, mount: world, {}}}\nexcluded_pairs: []", post));
-    return PlanJob(LoadJobInputs(folder_.path() / "job.yaml", overrides), checkpoints, {.threads = 1});
+    return LoadJobInputs(folder_.path() / "job.yaml", overrides);
+  }
+  PlannedJob Plan(const std::string& post, const CheckpointStore& checkpoints,
+                  const std::vector<Override>& overrides = {}) {
+    return PlanJob(Inputs(post, overrides), checkpoints, {.threads = 1});
   }
 
  private:
@@ -118,6 +123,53 @@ TEST(KeptPass, AProgramIsVerifiedAgainWhereAMovedFixtureMayMatterToIt) {
     EXPECT_TRUE(test::BytesOf(posts.Plan(near, kept, overrides)) ==
                 test::BytesOf(posts.Plan(near, NoCheckpoints(), overrides)));
   }
+}
+
+// Fixed rotations swing where the plan does not. What was asked about a pass alone, and what more beside
+// another, counts together.
+TEST(KeptPass, WhatFixedRotationsMeetIsAskedAgainWhereAMovedFixtureMayMatterToIt) {
+  Posts posts;
+  const std::string far = BoxStl(-3000, 0, 50);
+  const JobInputs inputs = posts.Inputs(far);
+  const PlannedJob first = posts.Plan(far, NoCheckpoints());
+  std::vector<PassResult> passes = first.plan.passes;
+  // Counted from elsewhere, so that the best rotation of both is not that of the first.
+  Eigen::Vector3d& reference = passes.back().rotation_reference;
+  reference = Eigen::AngleAxisd(2.2, passes.back().points[0].point.normal) * reference;
+  const auto compare = [&](const JobInputs& of, const PreparedJob& prepared, size_t count,
+                           const CheckpointStore& kept) {
+    return HashOfValues(
+        CompareFixed(of, prepared, {passes.begin(), passes.begin() + count}, kept, {.threads = 1}));
+  };
+  const test::MemoryCheckpoints known;
+  compare(inputs, first.prepared, 1, known);
+  const std::string alone = known.stages.at("fixed-0").front().second;
+  const std::string before = compare(inputs, first.prepared, 2, known);
+  EXPECT_NE(known.stages.at("fixed-0").front().second, alone) << "else nothing was added";
+  const Joints& q = passes[0].points[0].q;
+  const Eigen::Vector3d flange = (first.plan.X_WB * ForwardFlange(first.plan.arm, q)).translation();
+  size_t kept = 0, another = 0;
+  // Where the flange comes by as the tool turns about its axis, as far again from there, and a place that
+  // only the first pass alone is near to.
+  std::vector<Eigen::Vector3d> places{{1660.15, 643.61, 644.44}};
+  const MillingPoint& point = passes[0].points[0].point;
+  for (int turn = 0; turn < 36; ++turn)
+    places.push_back(point.position +
+                     (turn % 4 == 0 ? 2 : 1) *
+                         (Eigen::AngleAxisd(DegToRad(10) * turn, point.normal) * (flange - point.position)));
+  for (const Eigen::Vector3d& at : places) {
+    const std::string near = BoxStl(at.x(), at.y(), at.z(), 20);
+    const JobInputs moved = posts.Inputs(near);
+    const PreparedJob prepared = PrepareJob(moved, NoCheckpoints(), {.threads = 1});
+    const test::MemoryCheckpoints again;
+    again.stages = known.stages;
+    const std::string found = compare(moved, prepared, 2, again);
+    EXPECT_EQ(found, compare(moved, prepared, 2, NoCheckpoints())) << near;
+    kept += again.stages == known.stages ? 1 : 0;
+    another += found != before ? 1 : 0;
+  }
+  EXPECT_GT(kept, 2u);
+  EXPECT_GT(another, 2u);
 }
 
 TEST(KeptPass, AnotherShapeIsAChange) {

@@ -66,9 +66,4 @@ std::string SubtitleOf(const ReportedFolder& folder) {
                      serial.empty() ? "" : ", number " + serial, first.plan.input_hash.substr(0, 16));
 }
 
-std::string WordsOfKey(std::string key) {
-  std::ranges::replace(key, '_', ' ');
-  return key;
-}
-
 }  // namespace millpose

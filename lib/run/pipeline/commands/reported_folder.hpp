@@ -53,7 +53,4 @@ std::vector<FolderProgram> ProgramsIn(const ReportedFolder& folder);
 /// "Cell …, arm …. Inputs …."
 std::string SubtitleOf(const ReportedFolder& folder);
 
-/// A key of the summary as words.
-std::string WordsOfKey(std::string key);
-
 }  // namespace millpose

@@ -53,9 +53,8 @@ FixedComparison CompareFixed(const JobInputs& inputs, const PreparedJob& prepare
   std::vector<FixedPass> of_passes(passes.size(), {stations, {}});
   struct Before {
     std::string stage, key;
-    QueryRecord asked;
     size_t known = 0;
-    std::shared_ptr<QueryLog> looks = std::make_shared<QueryLog>();
+    std::shared_ptr<QueryLog> looks = std::make_shared<QueryLog>();  ///< of all that is known
   };
   std::vector<Before> before(passes.size());
   ParallelFor(passes.size(), options.threads, options.stop, [&](size_t i) {
@@ -69,7 +68,7 @@ FixedComparison CompareFixed(const JobInputs& inputs, const PreparedJob& prepare
           return ValueReader(bytes).Read(kept) && StillHolds(kept.asked, world, obstacles);
         }))
       return;
-    of.asked = std::move(kept.asked);
+    of.looks->Take(kept.asked.looks);
     of.known = Known(kept.found);
     of_passes[i].known = std::move(kept.found);
   });
@@ -78,7 +77,6 @@ FixedComparison CompareFixed(const JobInputs& inputs, const PreparedJob& prepare
   ParallelFor(passes.size(), options.threads, options.stop, [&](size_t i) {
     const Before& of = before[i];
     if (Known(of_passes[i].known) == of.known) return;
-    of.looks->Take(of.asked.looks);
     const KeptPass kept{{obstacles, of.looks->Collected()}, std::move(of_passes[i].known)};
     checkpoints.WriteStage(of.stage, of.key, ValueBytes().Add(kept).bytes());
   });
