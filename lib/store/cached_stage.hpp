@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "base/process.hpp"
 #include "planning/external/stations.hpp"
@@ -35,6 +36,27 @@ Result Cached(const CheckpointStore& store, const std::string& stage, const std:
   return result;
 }
 
+/// What a stage made, and what it asked the cell's world meanwhile.
+template <class Result>
+struct MadeInWorld {
+  QueryRecord asked;
+  Result result;
+};
+
+/// What `stage` left under this key, if no answer would be another now (StillHolds).
+template <class Result>
+std::optional<MadeInWorld<Result>> ReadInWorld(const CheckpointStore& store, const std::string& stage,
+                                               const std::string& key, const World& world,
+                                               const Obstacles& obstacles) {
+  MadeInWorld<Result> kept;
+  if (store.ReadStage(stage, key, [&](const std::string& bytes) {
+        kept = {};
+        return ValueReader(bytes).Read(kept) && StillHolds(kept.asked, world, obstacles);
+      }))
+    return kept;
+  return std::nullopt;
+}
+
 /// Cached(), for stages that ask the cell's world: what they made is found again after an obstacle has moved
 /// if no answer would be another (StillHolds). The world is no part of their keys; where the cell has
 /// external axes, it is as it is. `make` asks the stations that it is given and no others.
@@ -45,20 +67,11 @@ Result CachedInWorld(const CheckpointStore& store, const std::string& stage, con
   const Cell& cell = world.cell();
   if (!cell.external_axes.empty())
     return Cached<Result>(store, stage, StageKey(key, HashOfValues(cell)), [&] { return make(stations); });
-  struct Recording {
-    QueryRecord asked;
-    Result result;
-  };
   const std::string own = StageKey(key, HashOfValues(WithoutPlaces(cell)));
   const Obstacles obstacles = ObstaclesOf(cell);
-  Recording kept;
-  if (store.ReadStage(stage, own, [&](const std::string& bytes) {
-        kept = {};
-        return ValueReader(bytes).Read(kept) && StillHolds(kept.asked, world, obstacles);
-      }))
-    return std::move(kept.result);
+  if (auto kept = ReadInWorld<Result>(store, stage, own, world, obstacles)) return std::move(kept->result);
   const auto looks = std::make_shared<QueryLog>();
-  Recording made;
+  MadeInWorld<Result> made;
   made.result = make(Stations(world.Recording(looks), stations.problem()));
   made.asked = {obstacles, looks->Collected()};
   store.WriteStage(stage, own, ValueBytes().Add(made).bytes());

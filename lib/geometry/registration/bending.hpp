@@ -10,8 +10,9 @@
 
 namespace millpose {
 
-/// Unknowns of a part's place: shift, turn, and at most six modes of bending.
+/// How many modes of bending are looked for.
 inline constexpr int kMostModes = 6, kLeastModes = 3;
+/// Unknowns of a part's place: shift, turn, modes of bending.
 using ProbeVector = Eigen::VectorXd;
 using ProbeMatrix = Eigen::MatrixXd;
 

@@ -28,6 +28,21 @@ float Up(double value) {
   return std::nextafter(static_cast<float>(value), std::numeric_limits<float>::infinity());
 }
 
+/// In which of the places that are put together a pose lies.
+std::array<int16_t, 6> PlaceOf(const Joints& q) {
+  std::array<int16_t, 6> place;
+  for (size_t i = 0; i < 6; ++i)
+    place[i] = static_cast<int16_t>(std::floor(q[static_cast<Eigen::Index>(i)] / kTogether[i]));
+  return place;
+}
+
+Joints MiddleOf(const PoseBox& box) {
+  Joints middle;
+  for (size_t i = 0; i < 6; ++i)
+    middle[static_cast<Eigen::Index>(i)] = 0.5 * (static_cast<double>(box.low[i]) + box.high[i]);
+  return middle;
+}
+
 }  // namespace
 
 size_t QueryLog::Hash::operator()(const Place& place) const {
@@ -51,16 +66,14 @@ void QueryLog::Widen(const Place& place, const PoseBox& box) {
 }
 
 void QueryLog::Add(const Joints& low, const Joints& high, double reach) {
-  Place place;
   PoseBox box;
   for (size_t i = 0; i < 6; ++i) {
     const auto joint = static_cast<Eigen::Index>(i);
-    place[i] = static_cast<int16_t>(std::floor(0.5 * (low[joint] + high[joint]) / kTogether[i]));
     box.low[i] = Down(low[joint]);
     box.high[i] = Up(high[joint]);
   }
   box.reach = Up(reach);
-  Widen(place, box);
+  Widen(PlaceOf(0.5 * (low + high)), box);
 }
 
 void QueryLog::AddMotion(const Joints& q0, const Joints& q1, const Joints& beside, double reach) {
@@ -86,13 +99,7 @@ void QueryLog::Take(const QueryLog& other) {
 
 void QueryLog::Take(const Queries& earlier) {
   const std::lock_guard lock(mutex_);
-  for (const PoseBox& box : earlier.boxes) {
-    Place place;
-    for (size_t i = 0; i < 6; ++i)
-      place[i] = static_cast<int16_t>(
-          std::floor(0.5 * (static_cast<double>(box.low[i]) + box.high[i]) / kTogether[i]));
-    Widen(place, box);
-  }
+  for (const PoseBox& box : earlier.boxes) Widen(PlaceOf(MiddleOf(box)), box);
   met_.insert(earlier.met.begin(), earlier.met.end());
 }
 
@@ -188,13 +195,10 @@ bool World::FarFrom(const std::vector<std::string>& still, const Queries& looks)
     for (const Placed& obstacle : obstacles)
       if (body.link != 0) pairs.push_back({&body, &obstacle});
   return std::ranges::all_of(looks.boxes, [&](const PoseBox& box) {
-    Joints middle, half;
-    for (size_t i = 0; i < 6; ++i) {
-      const auto joint = static_cast<Eigen::Index>(i);
-      middle[joint] = 0.5 * (static_cast<double>(box.low[i]) + box.high[i]);
-      half[joint] = 0.5 * (static_cast<double>(box.high[i]) - box.low[i]);
-    }
-    return FarCheck(impl_->cell, box.reach).Far(middle, half, pairs, kHalvings);
+    Joints half;
+    for (size_t i = 0; i < 6; ++i)
+      half[static_cast<Eigen::Index>(i)] = 0.5 * (static_cast<double>(box.high[i]) - box.low[i]);
+    return FarCheck(impl_->cell, box.reach).Far(MiddleOf(box), half, pairs, kHalvings);
   });
 }
 

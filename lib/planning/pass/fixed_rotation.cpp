@@ -396,10 +396,4 @@ FixedComparison CompareWithFixed(const Stations& stations, const std::vector<Pas
   return Comparer(stations, passes, options, of_passes).Compare();
 }
 
-FixedComparison CompareWithFixed(const Stations& stations, const std::vector<PassResult>& passes,
-                                 const FixedRotationOptions& options) {
-  std::vector<FixedPass> of_passes(passes.size(), {stations, {}});
-  return CompareWithFixed(stations, passes, options, of_passes);
-}
-
 }  // namespace millpose

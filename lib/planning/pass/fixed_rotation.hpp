@@ -44,8 +44,5 @@ struct FixedPass {
 /// on the grid of the ladder search. What is known changes nothing but the time it takes.
 FixedComparison CompareWithFixed(const Stations& stations, const std::vector<PassResult>& passes,
                                  const FixedRotationOptions& options, std::vector<FixedPass>& of_passes);
-/// With nothing known.
-FixedComparison CompareWithFixed(const Stations& stations, const std::vector<PassResult>& passes,
-                                 const FixedRotationOptions& options);
 
 }  // namespace millpose

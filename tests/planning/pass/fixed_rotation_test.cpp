@@ -18,6 +18,13 @@ FixedRotationOptions FixedOptions(bool worst_first) {
   return {path.rotation_step, path.steps, path.swept_resolution, worst_first, {}, 0, 2, {}, {}};
 }
 
+/// With nothing known.
+FixedComparison CompareWithFixed(const Stations& stations, const std::vector<PassResult>& passes,
+                                 const FixedRotationOptions& options) {
+  std::vector<FixedPass> of_passes(passes.size(), {stations, {}});
+  return CompareWithFixed(stations, passes, options, of_passes);
+}
+
 /// Two rows of panel points that mill up and down in turns.
 std::vector<Pass> Rows() {
   std::vector<Pass> rows{Row(-150, 150, 25, 0), Row(-150, 150, 25, 150)};

@@ -12,12 +12,6 @@
 namespace millpose {
 namespace {
 
-/// What was found out about a pass, and what bodies were asked about for it.
-struct KeptPass {
-  QueryRecord asked;
-  FixedOfPass found;
-};
-
 /// How much is known; it only grows.
 size_t Known(const FixedOfPass& of) {
   return of.tables.size() +
@@ -49,7 +43,8 @@ FixedComparison CompareFixed(const JobInputs& inputs, const PreparedJob& prepare
   // Where there are external axes nobody notes what was asked about obstacles: they are all in the key.
   const bool watched = world.cell().external_axes.empty();
   const Obstacles obstacles = watched ? ObstaclesOf(world.cell()) : Obstacles();
-  const std::string context = ContextOf(options, passes, stations);
+  const std::vector<PassResult> nominal = AtNominalLean(prepared.problem, passes);
+  const std::string context = ContextOf(options, nominal, stations);
   std::vector<FixedPass> of_passes(passes.size(), {stations, {}});
   struct Before {
     std::string stage, key;
@@ -60,25 +55,20 @@ FixedComparison CompareFixed(const JobInputs& inputs, const PreparedJob& prepare
   ParallelFor(passes.size(), options.threads, options.stop, [&](size_t i) {
     Before& of = before[i];
     of.stage = fmt::format("fixed-{}", i);
-    of.key = HashOfValues(context, passes[i]);
+    of.key = HashOfValues(context, nominal[i]);
     if (watched) of_passes[i].stations = Stations(world.Recording(of.looks), stations.problem());
-    KeptPass kept;
-    if (!checkpoints.ReadStage(of.stage, of.key, [&](const std::string& bytes) {
-          kept = {};
-          return ValueReader(bytes).Read(kept) && StillHolds(kept.asked, world, obstacles);
-        }))
-      return;
-    of.looks->Take(kept.asked.looks);
-    of.known = Known(kept.found);
-    of_passes[i].known = std::move(kept.found);
+    auto kept = ReadInWorld<FixedOfPass>(checkpoints, of.stage, of.key, world, obstacles);
+    if (!kept) return;
+    of.looks->Take(kept->asked.looks);
+    of.known = Known(kept->result);
+    of_passes[i].known = std::move(kept->result);
   });
-  FixedComparison comparison =
-      CompareWithFixed(stations, AtNominalLean(prepared.problem, passes), options, of_passes);
+  FixedComparison comparison = CompareWithFixed(stations, nominal, options, of_passes);
   ParallelFor(passes.size(), options.threads, options.stop, [&](size_t i) {
     const Before& of = before[i];
     if (Known(of_passes[i].known) == of.known) return;
-    const KeptPass kept{{obstacles, of.looks->Collected()}, std::move(of_passes[i].known)};
-    checkpoints.WriteStage(of.stage, of.key, ValueBytes().Add(kept).bytes());
+    const MadeInWorld<FixedOfPass> made{{obstacles, of.looks->Collected()}, std::move(of_passes[i].known)};
+    checkpoints.WriteStage(of.stage, of.key, ValueBytes().Add(made).bytes());
   });
   return comparison;
 }
