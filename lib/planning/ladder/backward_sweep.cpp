@@ -10,14 +10,12 @@ namespace millpose {
 const ToGo& LeastToGo(const LadderProblem& problem, const NodeMask& counted, BackwardRows& rows) {
   const std::span<const Layer> layers = problem.layers;
   const size_t count = layers.size();
-  if (rows.layers.size() != count || rows.first_layer != problem.first_layer || rows.worst != problem.worst ||
-      problem.most > rows.most) {
+  if (rows.layers.size() != count || rows.first_layer != problem.first_layer || problem.most > rows.most) {
     rows.layers.assign(count, {});
     rows.to_go.assign(count, {});
   }
   const bool all_known = problem.most == rows.most;
   rows.first_layer = problem.first_layer;
-  rows.worst = problem.worst;
   rows.most = problem.most;
   // Of the nodes of the layer after, these counted; the last step is into the first layer.
   std::vector<double> into_first(layers[problem.first_layer].size(), 0.0);
@@ -60,7 +58,7 @@ const ToGo& LeastToGo(const LadderProblem& problem, const NodeMask& counted, Bac
       const double rest = own.relaxed[node].cost;
       if (!std::isfinite(rest)) continue;
       rows.to_go[t][node] = rest;
-      own.beyond[node] = problem.worst ? std::max(layer.objective[node], rest) : layer.objective[node] + rest;
+      own.beyond[node] = layer.objective[node] + rest;
     }
     changed.assign(layer.size(), 1);
     if (before.size() != own.beyond.size()) continue;

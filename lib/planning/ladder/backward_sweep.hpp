@@ -22,7 +22,6 @@ struct BackwardRows {
   ToGo to_go;
   size_t first_layer = 0;
   double most = 0;
-  bool worst = false;
 };
 
 /// Per layer and node, 0 for nodes that do not count; empty where all do.

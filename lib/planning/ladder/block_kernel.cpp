@@ -5,16 +5,14 @@
 #include <cmath>
 
 #include "base/units.hpp"
-#include "planning/ladder/short_way.hpp"
+#include "planning/ladder/block_pair.hpp"
 
 namespace millpose {
 namespace {
 
 static_assert(kBlock == 8);
 
-constexpr double kSlack = 1e-9;      // rad: rounding of the bounds
 constexpr double kLess = 1 - 1e-12;  // rounding of a lower bound
-constexpr double kOneTurn = 3.0;     // rad: angles that lie nearer are as many turns away
 
 /// The targets as lanes, and what was found for them.
 struct Found {
@@ -126,15 +124,9 @@ class BlockRelaxer {
 
   /// No predecessor of a block or group is better for any target: it costs too much, or lies too far away.
   bool PassedOver(double least, const JointRows::Bound& bound) const {
-    constexpr std::array<int, 6> kOrder{3, 5, 4, 0, 1, 2};  // those first that turn most along a layer
     if (least > at_most_) return true;
     double square = 0;
-    for (const int i : kOrder) {
-      const double apart = std::fabs(short_way::Short(bound_.middle[i] - bound.middle[i]));
-      const double nearest = apart - bound.radius[i] - bound_.radius[i] - kSlack;
-      if (nearest > rule_.max_step[i]) return true;
-      if (nearest > 0) square += nearest * nearest;
-    }
+    if (!block_pair::MayReach(rule_, bound, bound_, square)) return true;
     return least + kLess * rule_.motion_weight * square > at_most_;
   }
 
@@ -147,26 +139,12 @@ class BlockRelaxer {
 
   template <bool kBefore>
   void Look(size_t block) {
-    static const InstructionSet set = WidestInstructionSet();
     if (!loaded_) Load();
-    const JointRows::Bound& bound = from_.blocks[block / kBlock];
-    // Where all pairs are as many turns apart, that takes less arithmetic and gives the same bits.
-    bool one_shift = !rule_.modulo_revolutions || (bound.same_turn && bound_.same_turn);
-    double shift[6];
-    for (int i = 0; i < 6; ++i) {
-      shift[i] = rule_.modulo_revolutions
-                     ? short_way::Turns(bound_.middle[i] - bound.middle[i]) * short_way::kTurn
-                     : 0.0;
-      one_shift = one_shift && (!rule_.modulo_revolutions ||
-                                bound.radius[i] + bound_.radius[i] + rule_.max_step[i] < kOneTurn);
-    }
-    const auto shifted = [&] [[gnu::always_inline]] (int i, double step) { return step - shift[i]; };
-    const auto general = [&] [[gnu::always_inline]] (int, double step) { return short_way::Short(step); };
-    if (one_shift) {
-      LookAt<kBefore>(set, rule_, from_, row_.costs.data(), block, shifted, found_);
-    } else {
-      LookAt<kBefore>(set, rule_, from_, row_.costs.data(), block, general, found_);
-    }
+    block_pair::ByTheShortWay(block_pair::ShiftsBetween(rule_, from_.blocks[block / kBlock], bound_),
+                              [&] [[gnu::always_inline]] (const auto& way) {
+                                LookAt<kBefore>(block_pair::Widest(), rule_, from_, row_.costs.data(), block,
+                                                way, found_);
+                              });
     Bound();
   }
 

@@ -41,8 +41,7 @@ class ClosedSearch {
     const double least = closing.by.cost;
     if (!(least < below_)) return std::nullopt;
     const auto through = [&](size_t t, size_t node) {
-      const double to = rows.layers[t].row.costs[node], rest = to_go[t][node];
-      return problem_.worst ? std::max(to, rest) : to + rest;
+      return rows.layers[t].row.costs[node] + to_go[t][node];
     };
     // What costs little more than the bound is found without looking at most nodes.
     for (const double more : kMore) {
@@ -160,10 +159,8 @@ class ClosedSearch {
 std::optional<Round> CheapestRound(const LadderProblem& problem, const ToGo& to_go, size_t first, size_t last,
                                    double at_most) {
   double least = kInfinity;
-  for (size_t node = first; node < last; ++node) {
-    const double own = problem.layers[0].objective[node], rest = to_go[0][node];
-    least = std::min(least, problem.worst ? std::max(own, rest) : own + rest);
-  }
+  for (size_t node = first; node < last; ++node)
+    least = std::min(least, problem.layers[0].objective[node] + to_go[0][node]);
   for (const double more : kMore) {
     const double limit = std::min(at_most, (1 + more) * least);
     if (!(least <= limit) || !std::isfinite(least)) return std::nullopt;

@@ -55,7 +55,8 @@ struct LadderProblem {
   /// since.
   std::span<const uint64_t> versions = {};
   double most = std::numeric_limits<double>::infinity();  ///< no node of a larger objective; no wall either
-  /// The cost of a sequence is its largest objective instead of the sum, and motion costs nothing.
+  /// The cost of a sequence is its largest objective instead of the sum, and motion costs nothing; of open
+  /// ones alone.
   bool worst = false;
   size_t first_layer = 0;                 ///< of a closed pass: where sweeps begin and end
   std::span<const Joints> max_step = {};  ///< entry t: of the step from layer t on; empty: the rule's own

@@ -19,8 +19,7 @@ void Sweep::LeaveOutAbove(double at_most, const ToGo& to_go) {
 /// Whether a way that costs `cost` up to a node of layer t, this counted, is too dear.
 bool Sweep::IsAbove(double cost, size_t t, size_t node) const {
   if (!to_go_) return false;
-  const double rest = (*to_go_)[At(t)][node];
-  return (problem_.worst ? std::max(cost, rest) : cost + rest) > limit_;
+  return cost + (*to_go_)[At(t)][node] > limit_;
 }
 
 bool Sweep::Forward(SweepRows& rows, size_t first, size_t last, bool breaks) {
@@ -109,8 +108,7 @@ double Sweep::Value(double objective) const { return objective <= problem_.most 
 double Sweep::MostBefore(size_t t, size_t node) const {
   constexpr double kRounding = 1e-12;
   if (!std::isfinite(limit_)) return kInfinity;
-  const double most = (1 + kRounding) * limit_;
-  return problem_.worst ? most : most - layers_[At(t)].objective[node] - (*to_go_)[At(t)][node];
+  return (1 + kRounding) * limit_ - layers_[At(t)].objective[node] - (*to_go_)[At(t)][node];
 }
 
 /// The cost of a way on which a node follows. A largest value carries its breaks beside it, as multiples of

@@ -2,29 +2,14 @@
 #include "planning/ladder/worst_then_sum.hpp"
 
 #include "base/units.hpp"
+#include "planning/ladder/returning.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr int kWorstSweeps = 64;       // of a closed search for the worst value
 constexpr int kSweeps = 16;            // of a closed search that only asks whether there is a sequence
 constexpr double kNearEnough = 1.001;  // between the bounds of a bisection
 constexpr size_t kFewValues = 64;      // are bisected to the end
-
-/// The values that the bound of a sequence can have, ascending: from the largest of the layers' least ones up
-/// to `most`.
-std::vector<double> PossibleBounds(const LadderProblem& problem, double most) {
-  double least = 0;
-  for (const Layer& layer : problem.layers)
-    least = std::max(least, *std::min_element(layer.objective.begin(), layer.objective.end()));
-  std::vector<double> values;
-  for (const Layer& layer : problem.layers)
-    for (const double value : layer.objective)
-      if (value >= least && value <= most) values.push_back(value);
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-  return values;
-}
 
 /// No sequence without breaks but those that are asked for has a smaller worst value: the largest of the
 /// layers' least ones; +inf where some layer has no node.
@@ -80,19 +65,10 @@ Sequence WorstThenSum::Open(const LadderProblem& problem) {
   return SearchOpen(Within(problem, bound_));
 }
 
-std::optional<Sequence> WorstThenSum::Closed(const LadderProblem& problem, int max_sweeps) {
-  if (std::isfinite(bound_))
-    if (auto sequence = SearchClosed(Within(problem, bound_), max_sweeps)) return sequence;
-  LadderProblem for_worst = problem;
-  for_worst.worst = true;
-  for_worst.rule.motion_weight = 0;
-  if (problem.memory) for_worst.memory = &memory_;
-  std::optional<Sequence> least = SearchClosed(for_worst, kWorstSweeps);
-  if (!least) least = SearchClosed(for_worst);
-  bound_ = least ? WorstOf(problem.layers, *least) : kInfinity;
-  if (!least) return std::nullopt;
-  auto sequence = SearchClosed(Within(problem, bound_), max_sweeps);
-  return sequence ? sequence : least;
+std::optional<Sequence> WorstThenSum::Closed(const LadderProblem& problem) {
+  bound_ = LeastClosedBound(problem);
+  if (!std::isfinite(bound_)) return std::nullopt;
+  return SearchClosed(Within(problem, bound_));
 }
 
 std::optional<Sequence> LeastWorst(const LadderProblem& problem, const BoundedSearch& search) {

@@ -13,16 +13,15 @@ inline constexpr double kWorstTolerance = 1e-6;
 
 /// Searches by the worst value first: the smallest bound under which a sequence with the fewest breaks
 /// exists, then the least sum of objective and motion among the sequences within kWorstTolerance of that
-/// bound. Keeps the bound from search to search over the same layers with ever more pruned: it can only
-/// rise, and is looked for again where nothing is left below it.
+/// bound.
 ///
-/// Open passes: exact, one sweep with the largest value in place of the sum. Closed ones: likewise
-/// (SearchClosed), exact where 64 sweeps suffice.
+/// Open passes: one sweep with the largest value in place of the sum. It keeps the bound from search to
+/// search over the same layers with ever more pruned: it can only rise, and is looked for again where nothing
+/// is left below it. Closed ones: LeastClosedBound.
 class WorstThenSum {
  public:
   Sequence Open(const LadderProblem& problem);
-  std::optional<Sequence> Closed(const LadderProblem& problem,
-                                 int max_sweeps = std::numeric_limits<int>::max());
+  std::optional<Sequence> Closed(const LadderProblem& problem);
   /// The bound of the last search; +inf before the first.
   double bound() const { return bound_; }
 

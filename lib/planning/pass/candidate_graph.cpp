@@ -80,6 +80,15 @@ std::optional<CandidateGraph::Transition> CandidateGraph::TransitionOf(const Seq
   return Transition{a, b, q, (layers_[to].joints.At(b) - q).unaryExpr(&WrapToPi)};
 }
 
+std::optional<CandidateGraph::Transition> CandidateGraph::TransitionBetween(size_t t, size_t from,
+                                                                            size_t to) const {
+  const Joints q = layers_[t].joints.At(from);
+  const Joints step = (layers_[Next(t)].joints.At(to) - q).unaryExpr(&WrapToPi);
+  if ((step.cwiseAbs().array() > max_step_[t].array()).any() || barred_[t].contains({from, to}))
+    return std::nullopt;
+  return Transition{from, to, q, step};
+}
+
 bool CandidateGraph::IsFree(PassCheckers& checkers, size_t t, const Transition& transition) {
   const Joints end = transition.q + transition.step;
   const double gouge = checks_.gouges.Between(transition.q, end);

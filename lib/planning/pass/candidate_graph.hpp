@@ -49,6 +49,8 @@ class CandidateGraph {
   };
   /// That of a sequence from layer t to the next; empty where the tool is lifted or nothing is cut.
   std::optional<Transition> TransitionOf(const Sequence& sequence, size_t t) const;
+  /// From a node of layer t to one of the next; empty where that is a larger step than may be, or barred.
+  std::optional<Transition> TransitionBetween(size_t t, size_t from, size_t to) const;
   /// Whether the straight motion from a free node of layer t to a free node of the next is free; barred when
   /// not.
   bool IsFree(PassCheckers& checkers, size_t t, const Transition& transition);

@@ -146,6 +146,79 @@ bool CollisionPruner::Check(const Sequence& sequence) {
   return all_free && barred_.empty();
 }
 
+void CollisionPruner::BarBeside(const Sequence& sequence) {
+  constexpr int kSteps = 16;
+  constexpr size_t kMost = 64;  // motions to go on from, a step
+  std::vector<Motion> from;
+  for (const size_t t : barred_) from.push_back({t, sequence.nodes[t], sequence.nodes[graph_.Next(t)]});
+  std::set<Motion> seen(from.begin(), from.end());
+  for (int step = 0; step < kSteps && !from.empty(); ++step) {
+    std::vector<Motion> next;
+    for (const Motion& motion : Beside(from))
+      if ((sequence.closed || motion.t + 1 < graph_.size()) && seen.insert(motion).second)
+        next.push_back(motion);
+    from = BarredOf(next);
+    if (from.size() > kMost) from.resize(kMost);
+  }
+}
+
+/// Those of the motions, which are in order, that interfere; they are barred. Their nodes are checked as
+/// well.
+std::vector<CollisionPruner::Motion> CollisionPruner::BarredOf(const std::vector<Motion>& motions) {
+  std::vector<std::pair<size_t, size_t>> nodes;
+  std::vector<size_t> begin;  // of the motions that leave one layer
+  for (size_t k = 0; k < motions.size(); ++k) {
+    const auto& [t, from, to] = motions[k];
+    nodes.emplace_back(t, from);
+    nodes.emplace_back(graph_.Next(t), to);
+    if (k == 0 || t != motions[k - 1].t) begin.push_back(k);
+  }
+  std::ranges::sort(nodes);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  CheckNodes(nodes);
+  std::vector<char> barred(motions.size(), 0);
+  graph_.InParallel(begin.size(), [&](PassCheckers& checkers, size_t i) {
+    const size_t end = i + 1 < begin.size() ? begin[i + 1] : motions.size();
+    for (size_t k = begin[i]; k < end; ++k) {
+      const auto& [t, from, to] = motions[k];
+      constexpr auto kFree = CandidateGraph::Verdict::kFree;
+      if (graph_.VerdictOf(t, from) != kFree || graph_.VerdictOf(graph_.Next(t), to) != kFree) continue;
+      if (const std::optional<Transition> motion = graph_.TransitionBetween(t, from, to))
+        barred[k] = !graph_.IsFree(checkers, t, *motion);
+    }
+  });
+  std::vector<Motion> of;
+  for (size_t k = 0; k < motions.size(); ++k)
+    if (barred[k]) of.push_back(motions[k]);
+  return of;
+}
+
+/// Motions that leave the same layer and begin or end a node further, and those from the layers before and
+/// after with about the same first freedoms; in order.
+std::vector<CollisionPruner::Motion> CollisionPruner::Beside(const std::vector<Motion>& motions) const {
+  std::vector<Motion> beside;
+  const size_t count = graph_.size();
+  for (const Motion& motion : motions) {
+    const size_t to = graph_.Next(motion.t);
+    const Layer &layer = graph_.layer(motion.t), &next = graph_.layer(to);
+    const int lane = layer.LaneOf(motion.from);
+    const auto around = [&](const Layer& of, size_t node, const auto& take) {
+      if (node > of.lane_begin[lane]) take(node - 1);
+      if (node + 1 < of.lane_begin[lane + 1]) take(node + 1);
+    };
+    around(layer, motion.from, [&](size_t node) { beside.push_back({motion.t, node, motion.to}); });
+    around(next, motion.to, [&](size_t node) { beside.push_back({motion.t, motion.from, node}); });
+    for (const size_t t : {(motion.t + count - 1) % count, to}) {
+      const size_t a = Nearest(graph_.layer(t), lane, layer.first[motion.from]),
+                   b = Nearest(graph_.layer(graph_.Next(t)), lane, next.first[motion.to]);
+      if (a != kNoNode && b != kNoNode) beside.push_back({t, a, b});
+    }
+  }
+  std::ranges::sort(beside);
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  return beside;
+}
+
 /// Checks single nodes, (layer, node); no layer twice. What was pruned, in the order of `nodes`.
 std::vector<CollisionPruner::Interval> CollisionPruner::CheckNodes(
     const std::vector<std::pair<size_t, size_t>>& nodes) {

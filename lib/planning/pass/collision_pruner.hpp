@@ -29,6 +29,11 @@ class CollisionPruner {
   /// after, each time twice as many layers away. True when all is free.
   bool Check(const Sequence& sequence);
 
+  /// What bars the motions that the last check of `sequence` found bars those beside them as well: the same a
+  /// node further, and from the layers before and after. They are looked at now; met one at a time they would
+  /// take as many searches.
+  void BarBeside(const Sequence& sequence);
+
   /// For motions that go on interfering, by the number of searches so far, from 0: the first few bar motions
   /// alone, then all steps there become shorter; where that cannot be, they take their nodes with them, then
   /// their points, so that each search has less to choose from.
@@ -39,6 +44,11 @@ class CollisionPruner {
   /// Nodes of a branch, first..last, that were pruned together.
   struct Interval {
     size_t layer, first, last;
+  };
+  /// A motion from a node of layer t to one of the next.
+  struct Motion {
+    size_t t, from, to;
+    auto operator<=>(const Motion&) const = default;
   };
   /// A motion that bends further than the freedoms ask for.
   struct Bent {
@@ -53,6 +63,8 @@ class CollisionPruner {
   std::vector<Interval> CheckNodes(const std::vector<std::pair<size_t, size_t>>& nodes);
   std::vector<std::pair<size_t, size_t>> Beside(const std::vector<Interval>& blocked) const;
   bool CheckMotion(PassCheckers& checkers, size_t from, const Sequence& sequence);
+  std::vector<Motion> BarredOf(const std::vector<Motion>& motions);
+  std::vector<Motion> Beside(const std::vector<Motion>& motions) const;
   bool Straighten(const Sequence& sequence, const Joins& joins);
   void Bar(const Bent& bent);
   bool BarWhatMayGo(std::span<const Bent> bents, const Sequence& sequence, const Joins& joins);

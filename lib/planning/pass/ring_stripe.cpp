@@ -5,6 +5,7 @@
 
 #include "base/units.hpp"
 #include "planning/ladder/lifted_search.hpp"
+#include "planning/ladder/worst_then_sum.hpp"
 
 namespace millpose {
 namespace {
@@ -76,8 +77,9 @@ std::string ExplainStripe(const ClosedSearch& search) {
   if (!(barred > kNotable * search.unbarred)) return "";
   const auto [sighting, points] = CommonPair(search.graph);
   if (!sighting) return "";
-  LiftedSearch lifted({0, 0, search.context.options.worst_first});
-  const std::optional<Sequence> open = lifted.Round(search.problem, kSweeps);
+  LadderProblem problem = search.problem;
+  if (search.context.options.worst_first) problem = Within(problem, WorstOf(problem.layers, search.sequence));
+  const std::optional<Sequence> open = LiftedSearch({0, 0, false}).Round(problem, kSweeps);
   if (!open || open->cost > closed - kShare * barred) return "";
   const size_t worst = WorstPoint(search);
   const auto [beside, run] = RunBeside(search, worst);

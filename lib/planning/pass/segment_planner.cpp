@@ -8,13 +8,10 @@
 #include "base/parallel.hpp"
 #include "base/units.hpp"
 #include "machine/robot/angles.hpp"
-#include "planning/ladder/closed_rounds.hpp"
 #include "planning/ladder/table_layer.hpp"
-#include "planning/ladder/worst_then_sum.hpp"
-#include "planning/pass/collision_pruner.hpp"
-#include "planning/pass/end_guard.hpp"
 #include "planning/pass/lean_courses.hpp"
 #include "planning/pass/ring_stripe.hpp"
+#include "planning/pass/segment_search.hpp"
 #include "planning/pass/unwind.hpp"
 
 namespace millpose {
@@ -59,66 +56,13 @@ class SegmentPlanner {
   }
 
  private:
-  /// The ladder search, repeated until what it finds is free of interference.
   Sequence SearchFree() {
-    CollisionPruner pruner(*graph_, law_);
-    std::optional<EndGuard> guard;
-    if (context_.options.leave) guard.emplace(*graph_, *context_.options.leave, context_.break_before);
-    SweepMemory join_memory;
-    LadderProblem problem = MakeProblem(context_, *graph_, all_revolutions_);
-    problem.memory = &graph_->sweeps();
-    // While there is interference to find, any good closed sequence finds it. A free one is kept when the
-    // best of all is hardly cheaper.
-    constexpr int kQuickSweeps = 3;
-    constexpr double kHardlyCheaper = 5e-4;
-    const bool worst_first = context_.options.worst_first;
-    WorstThenSum open_worst, closed_worst;
-    const auto joins = [&](const Sequence& as) {
-      LadderProblem joined = problem;
-      joined.memory = &join_memory;
-      if (as.closed) return SearchClosed(joined, kQuickSweeps).has_value();
-      return Breaks(SearchOpen(joined)) <= Breaks(as);
-    };
-    const auto search_closed = [&](int sweeps, double below = kInfinity) {
-      const auto search = [&] {
-        return worst_first ? closed_worst.Closed(problem, sweeps) : SearchClosed(problem, sweeps, below);
-      };
-      return pruner.Straight(search, joins);
-    };
-    ClosedRounds rounds;
-    const auto search_closed_soon = [&] {
-      if (worst_first) return search_closed(kQuickSweeps);
-      return pruner.Straight([&] { return rounds.Search(problem, kQuickSweeps); }, joins);
-    };
-    const auto search_open = [&] {
-      return *pruner.Straight(
-          [&] { return std::optional(worst_first ? open_worst.Open(problem) : SearchOpen(problem)); }, joins);
-    };
-    constexpr int kAllSweeps = std::numeric_limits<int>::max();
-    Sequence sequence;
-    double unbarred = kInfinity;  // a closed ring's cost without interference
-    for (int round = 0, searches = 0;; ++searches) {
-      std::optional<Sequence> closed;
-      if (context_.closed) closed = search_closed_soon();
-      if (context_.closed && !closed) closed = search_closed(kAllSweeps);
-      if (closed && searches == 0) unbarred = closed->cost;
-      sequence = closed ? std::move(*closed) : search_open();
-      bool free = pruner.Check(sequence);
-      if (free && sequence.closed) {
-        const double below = (1 - kHardlyCheaper) * sequence.cost;
-        std::optional<Sequence> best = search_closed(kAllSweeps, below);
-        if (best && best->cost < below) {
-          sequence = std::move(*best);
-          rounds.GoOnFrom(problem, sequence);
-          free = pruner.Check(sequence);
-        }
-      }
-      if (free && (!guard || guard->Check(sequence))) break;
-      if (!free) pruner.PruneInRound(sequence, round++);
-    }
-    best_ = IsBest(sequence, open_worst);
-    for (size_t t = 0; guard && t < count_; ++t) plan_.access[t] = guard->Detail(t);
-    if (sequence.closed) plan_.stripe = ExplainStripe({context_, problem, *graph_, sequence, unbarred});
+    SegmentSearch search(context_, *graph_, law_, all_revolutions_);
+    Sequence sequence = search.Run();
+    best_ = search.IsBest(sequence);
+    for (size_t t = 0; t < count_; ++t) plan_.access[t] = search.DetailAt(t);
+    if (sequence.closed)
+      plan_.stripe = ExplainStripe({context_, search.problem(), *graph_, sequence, search.unbarred()});
     plan_.poses_checked += graph_->counts().poses;
     plan_.pairs_checked = graph_->counts().pairs;
     plan_.pairs_saved = graph_->counts().pairs_saved;
@@ -129,16 +73,6 @@ class SegmentPlanner {
       if (sequence.nodes[t] == kNoNode) plan_.interference[t] = graph_->Detail(t);
     }
     return sequence;
-  }
-
-  /// Whether an open search has found the best of all: where nothing was pruned, walls bar nothing.
-  bool IsBest(const Sequence& sequence, const WorstThenSum& worst) const {
-    if (sequence.closed || graph_->nodes_pruned() > 0) return false;
-    for (size_t t = 1; t < count_; ++t)
-      if (sequence.break_before[t] && (context_.break_before.empty() || !context_.break_before[t]))
-        return false;
-    if (std::ranges::count(sequence.nodes, kNoNode) > 0) return false;
-    return !context_.options.worst_first || WorstOf(graph_->layers(), sequence) <= worst.bound();
   }
 
   /// Cuts the sequence into pieces. A piece of one point is no cut; only a pass of one point keeps it.

@@ -62,8 +62,7 @@ TEST(SearchClosed, QuicklyFindsWhatSweepsWithoutALimitFind) {
     std::vector<uint64_t> versions(layers.size(), 0);
     SweepMemory memory;
     LadderProblem problem{layers, Rule(60, 0.3), blocked, false, trial % 2 == 0, {}, {}, &memory, versions};
-    problem.worst = trial % 3 == 0;
-    if (problem.worst) problem.rule.motion_weight = 0;
+    if (trial % 3 == 0) problem.most = 1.8;
     for (int round = 0; round < 6; ++round) {
       if (!std::ranges::all_of(layers, &Layer::usable)) break;
       const std::optional<Sequence> expected = SearchSlowly(problem, 1 + round),
