@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every command of the program's own table at failing file operations: killed, no space, no permission, a broken disk. A command
-without a row here fails the test. A few places of each, or all with MILLPOSE_FAULT_PLACES=all.
+without a row here fails the test. A few places of each; with MILLPOSE_FAULT_PLACES=all every place is killed at and fails in one of
+the ways, in turn.
 Usage: commands_test.py MILLPOSE TOP FAULTS DRIVER"""
 import csv
 import errno
@@ -459,7 +460,7 @@ class Matrix:
         self.old = row.results()
         self.assertEqual(self.old == self.new, row.adds)
         for turn, at in enumerate(places(count, row.quick)):
-            for fault in FAULTS if ALL else [FAULTS[(0, 1, 0, 2, 0, 3)[turn % 6]]]:
+            for fault in ("kill", FAULTS[1 + turn % 3]) if ALL else [FAULTS[(0, 1, 0, 2, 0, 3)[turn % 6]]]:
                 with self.subTest(fault=fault, at=at, of=count):
                     shutil.rmtree(row.top)
                     shutil.copytree(kept, row.top, symlinks=True)

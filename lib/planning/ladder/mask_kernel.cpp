@@ -18,8 +18,8 @@ struct Reached {
   MaskLanes masks;
 };
 
-/// Looks at the eight predecessors from `block` on for all targets.
-template <typename Way>
+/// Looks at the eight predecessors from `block` on for all targets, or at one.
+template <bool kAll, typename Way>
 [[gnu::always_inline]] inline void LookAt(InstructionSet set, const StepRule& rule, const JointRows& nodes,
                                           const Mask* masks, size_t block, const Way& way, Reached& reached) {
   const double *q0 = &nodes.q[0][block], *q1 = &nodes.q[1][block], *q2 = &nodes.q[2][block],
@@ -41,7 +41,9 @@ template <typename Way>
                           (at >= first) & (at < last);
       mask |= within ? of[k] : Mask{0};
     };
-    take(0), take(1), take(2), take(3), take(4), take(5), take(6), take(7);  // a loop would not vectorise
+    take(0);
+    if constexpr (kAll)
+      take(1), take(2), take(3), take(4), take(5), take(6), take(7);  // a loop would not vectorise
     reached.masks.v[l] = mask;
   });
 }
@@ -68,7 +70,9 @@ class BlockReacher {
     if (first_ >= last_) return;
     for (int i = 0; i < 6; ++i) std::copy_n(&targets_.nodes->q[i][targets_.begin], kBlock, reached_.t[i].v);
     Known();
-    // From the middle outward: what lies nearest is most likely to be within a step.
+    // From the middle outward: what lies nearest is most likely to be within a step, and often is from where
+    // all are reached.
+    Look<false>((first_ + last_) / 2);
     const size_t middle = (first_ + last_) / 2 / kBlock * kBlock;
     for (size_t block = middle; block < last_; block += kBlock) Try(block);
     for (size_t block = middle; block > first_ / kBlock * kBlock; block -= kBlock) Try(block - kBlock);
@@ -85,12 +89,16 @@ class BlockReacher {
 
   void Try(size_t block) {
     double square = 0;
-    const JointRows::Bound& bound = from_.blocks[block / kBlock];
     if ((row_.of_blocks[block / kBlock] & ~all_) == 0) return;
-    if (!block_pair::MayReach(rule_, bound, bound_, square)) return;
+    if (block_pair::MayReach(rule_, from_.blocks[block / kBlock], bound_, square)) Look<true>(block);
+  }
+
+  template <bool kAll>
+  void Look(size_t node) {
+    const JointRows::Bound& bound = from_.blocks[node / kBlock];
     block_pair::ByTheShortWay(
         block_pair::ShiftsBetween(rule_, bound, bound_), [&] [[gnu::always_inline]] (const auto& way) {
-          LookAt(block_pair::Widest(), rule_, from_, row_.masks.data(), block, way, reached_);
+          LookAt<kAll>(block_pair::Widest(), rule_, from_, row_.masks.data(), node, way, reached_);
         });
     Known();
   }

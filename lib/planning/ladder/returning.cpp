@@ -183,8 +183,10 @@ double LeastClosedBound(const LadderProblem& problem) {
       within.most = value;
       return FindReturning(within, lane).ranges.empty();
     };
-    if (least != values.begin() && !open(*std::prev(least)))
-      least = std::partition_point(values.begin(), std::prev(least), open);
+    if (least == values.begin() || open(*std::prev(least))) continue;
+    // Often one point alone bounds the whole.
+    least = open(values.front()) ? std::partition_point(values.begin() + 1, std::prev(least), open)
+                                 : values.begin();
   }
   return least == values.end() ? kInfinity : *least;
 }
