@@ -13,6 +13,7 @@
 namespace millpose {
 namespace {
 
+constexpr size_t kOfMove = 5;  // motions beside its way-points: approach, entry, retract, a ring's closing
 constexpr double kShortest = 0.05;  // mm: a shorter part of an approach would be lost in a program's decimals
 constexpr double kTurnsBack = -0.9;  // cosine between two motions: a turn by more than 154°
 constexpr double kSlower = 0.5;      // share of its feed that a tool goes on with
@@ -31,6 +32,10 @@ class ProgramBuilder {
     if (!plan.external_axes.empty()) program_.X_WB = plan.X_WB;
     program_.X_BP = plan.X_WB.inverse() * plan.X_WP;
     program_.X_FT = plan.X_FT;
+    size_t points = 0, moves = 0;
+    for (const PassResult& pass : plan.passes) points += pass.points.size();
+    for (const LinkMove& gap : plan.gaps) moves += gap.joints.size() + kOfMove;
+    program_.motions.reserve(points + moves);
   }
 
   /// From home by a call's way to where it begins, the call, and back.
@@ -313,7 +318,7 @@ Pose BaseOnPart(const MotionProgram& program, const ExternalPosition& external) 
 
 Pose FrameAt(const MotionProgram& program, size_t i, double share) {
   const Motion& motion = program.motions[i];
-  const Pose& X_BP = *FrameOf(program, motion);
+  const Pose X_BP = *FrameOf(program, motion);
   if (!motion.X_BP_begin || share >= 1) return X_BP;
   if (share <= 0) return *motion.X_BP_begin;
   // Carried by the axes as the cell has them, the frame is one and the same on the part; a controller that

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/boxed.hpp"
 #include "machine/robot/axis_convention.hpp"
 #include "planning/result/plan_result.hpp"
 #include "program/conventions.hpp"
@@ -40,14 +41,14 @@ struct Motion {
   std::optional<int> status, turn;  ///< S and T (bits of the controller's angles), where programmed
   /// rad: each of the controller's angles at its end lies within a revolution above (−∞: anywhere), where
   /// that is programmed (LS CONFIG).
-  std::optional<Joints> least = std::nullopt;
+  Boxed<Joints> least = std::nullopt;
   /// Where the external axes stand at its end: one value for each of MotionProgram::external_axes.
   ExternalPosition external;
   /// The frame that the target counts in, in the robot's base as it stands then; empty: the program's.
-  std::optional<Pose> X_BP;
+  Boxed<Pose> X_BP;
   /// The same frame in the robot's base as it stands where a motion with feed begins on whose way external
   /// axes move; else empty.
-  std::optional<Pose> X_BP_begin = std::nullopt;
+  Boxed<Pose> X_BP_begin = std::nullopt;
   double feed = 0;      ///< mm/s of the tip, LIN only
   double duration = 0;  ///< s, joint motions in inverse time; 0: as fast as the axes allow
   /// Orientation as programmed in three angles (SINUMERIK, Cartesian LinuxCNC), rad, not wrapped. They run
@@ -137,8 +138,8 @@ struct MotionProgram {
 std::string HeaderValue(const MotionProgram& program, const std::string& key);
 
 /// The frame that a motion's target counts in, in the robot's base; empty when the text has none.
-inline const std::optional<Pose>& FrameOf(const MotionProgram& program, const Motion& motion) {
-  return motion.X_BP ? motion.X_BP : program.X_BP;
+inline std::optional<Pose> FrameOf(const MotionProgram& program, const Motion& motion) {
+  return motion.X_BP ? motion.X_BP.AsOptional() : program.X_BP;
 }
 
 /// Whether the external axes move in motion `i`; where they come from before the first one is not known.

@@ -29,6 +29,19 @@ bool CallsProgram(std::string_view text, const std::string& stem) {
   return false;
 }
 
+namespace {
+
+/// So many motions the texts have at the most, but for loops: each is a line of its own.
+size_t MostMotions(const ProgramFiles& files) {
+  constexpr size_t kFewestBytes = 16;  // of a motion: texts may be of blank lines
+  size_t most = 0;
+  for (const auto& [name, text] : files)
+    most += std::min(static_cast<size_t>(std::ranges::count(text, '\n')), text.size() / kFewestBytes);
+  return most;
+}
+
+}  // namespace
+
 ProgramReader::ProgramReader(const ProgramFiles& files, const PostSettings& settings, Templates templates)
     : settings_(settings),
       external_(settings.mechanism.axes().size(), 0),
@@ -44,6 +57,7 @@ MotionProgram ProgramReader::Read(const std::vector<std::string>& extensions) {
   extensions_ = extensions;
   const std::string main = MainFile();
   program_.name = Stem(main);
+  program_.motions.reserve(MostMotions(files_));
   ReadFile(main);
   ExpectTexts({"header", "tool_change", "footer"});
   const std::vector<Problem> broken = rules_.Broken(program_);

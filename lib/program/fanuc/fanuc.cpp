@@ -121,7 +121,7 @@ class FanucWriter : public ProgramWriter {
     position.config =
         motion.q ? FanucConfigOf(options_, settings_, arm_, *motion.q)
                  : FanucConfig{motion.status.value_or(0),
-                               FanucTurns(options_, motion.least.value_or(FanucLeast(options_, {})))};
+                               FanucTurns(options_, motion.least ? *motion.least : FanucLeast(options_, {}))};
     const FanucSpeed speed = FanucSpeedOf(motion.feed);
     Add(fmt::format("L P[] {}{} {}", speed.number, speed.per_second ? "mm/sec" : "cm/min",
                     FanucTermination(motion, options_)),

@@ -9,6 +9,7 @@
 #include "planning/compensation/compensate.hpp"
 #include "report/ros/trajectory_files.hpp"
 #include "run/pipeline/programs/plan_timeline.hpp"
+#include "run/pipeline/programs/program_motions.hpp"
 #include "store/output_folder.hpp"
 
 namespace millpose {
@@ -81,8 +82,7 @@ RosExport MakeRosExport(const PlanResult& plan, const JobInputs& inputs, const s
   RosExport made;
   made.cell = MakeJobCell(inputs);
   made.names = NamesFor(made.cell);
-  const double lift = inputs.job.program_options.dry_run_offset;
-  made.program = MakeMotionProgram(lift > 0 ? Lifted(plan, lift) : Commanded(plan), RunOptions(inputs.job));
+  made.program = MakeRunProgram(plan, inputs.job, RunOptions(inputs.job));
   const double tolerance = inputs.job.program_options.path_tolerance;
   made.run = SampleRun(made.program, plan.arm, RunClock(inputs), tolerance);
   made.beyond = BeyondLimits(made.run, made.program, plan.arm);

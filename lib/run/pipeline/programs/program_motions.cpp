@@ -118,6 +118,13 @@ EconomyOptions MakeEconomyOptions(const ProgramOptionSettings& options) {
 
 }  // namespace
 
+MotionProgram MakeRunProgram(const PlanResult& plan, const JobSettings& job, const MotionOptions& options) {
+  const double lift = job.program_options.dry_run_offset;
+  if (lift > 0) return MakeMotionProgram(Lifted(plan, lift), options);
+  // A large plan is not copied for nothing.
+  return HasCommanded(plan) ? MakeMotionProgram(Commanded(plan), options) : MakeMotionProgram(plan, options);
+}
+
 ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& inputs,
                                   const std::string& controller, const std::optional<BaseWindow>& window,
                                   const std::vector<CallTransition>& calls) {
@@ -126,7 +133,7 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
   const double lift = job.program_options.dry_run_offset;
   MotionOptions options = MakeMotionOptions(plan, inputs, controller, window);
   options.calls = calls;
-  motions.planned = MakeMotionProgram(lift > 0 ? Lifted(plan, lift) : Commanded(plan), options);
+  motions.planned = MakeRunProgram(plan, job, options);
   const PostSettings settings = MakePostSettings(job, inputs.cell, controller);
   const Post& post = *inputs.cell.controllers.at(controller).post;
   EconomyOptions economy = MakeEconomyOptions(job.program_options);

@@ -21,6 +21,10 @@ struct ProgramMotions {
   ProgramTime time;                   ///< of `written`
 };
 
+/// The motions of a plan as they are run: to the commanded poses, or in a dry run lifted. Precondition and
+/// errors as below.
+MotionProgram MakeRunProgram(const PlanResult& plan, const JobSettings& job, const MotionOptions& options);
+
 /// Makes them with the job's options and the cell's settings for `controller`; `window` is printed in the
 /// header; `calls` are those of PlanCallTransitions(). Precondition: WhyNotProgrammable() is empty. Throws
 /// InputError when a dry run's lifted points are out of reach.
