@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/free_memory.hpp"
 #include "base/progress.hpp"
 
 namespace millpose {
@@ -35,6 +36,7 @@ class Stages final : public Progress {
     times_.back().seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     running_ = false;
     progress_.End(outcome);
+    ReleaseFreeMemory();
   }
   const std::vector<StageTime>& times() const { return times_; }
 
