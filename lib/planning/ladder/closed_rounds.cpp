@@ -95,10 +95,7 @@ std::optional<Sequence> ClosedRounds::Through(const LadderProblem& problem) {
   const Sweep::Closing closing = sweep.Close(first_, last_);
   // Above the limit it need not be the best: parts of better ones may have been left out.
   if (!std::isfinite(closing.by.cost) || closing.by.cost > limit_) return std::nullopt;
-  Sequence sequence = sweep.Trace(closing.by.node);
-  sequence.cost = closing.by.cost;
-  sequence.closed = true;
-  return sequence;
+  return sweep.TraceClosed(closing);
 }
 
 }  // namespace millpose

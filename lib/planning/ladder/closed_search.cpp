@@ -123,12 +123,10 @@ class ClosedSearch {
     if (!sweep.Forward(rows, first, last, false)) return;
     const Sweep::Closing closing = sweep.Close(first, last);
     if (!(closing.by.cost < limit_)) return;
-    Sequence sequence = sweep.Trace(closing.by.node);
+    Sequence sequence = sweep.TraceClosed(closing);
     const std::vector<size_t>& base = problem_.layers[problem_.first_layer].base;
     if (base[sequence.nodes[problem_.first_layer]] == base[closing.into]) {
       best_ = std::move(sequence);
-      best_->cost = closing.by.cost;
-      best_->closed = true;
       limit_ = closing.by.cost * kLess;
       return;
     }

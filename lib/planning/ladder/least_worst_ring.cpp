@@ -34,10 +34,7 @@ class ThroughNode {
     const Sweep::Closing closing = sweep.Close(nodes_.first, nodes_.second);
     if (!std::isfinite(closing.by.cost)) return std::nullopt;
     into_ = closing.into;
-    Sequence sequence = sweep.Trace(closing.by.node);
-    sequence.cost = closing.by.cost;
-    sequence.closed = true;
-    return sequence;
+    return sweep.TraceClosed(closing);
   }
 
  private:

@@ -201,6 +201,13 @@ Sequence Sweep::Trace(size_t node) const {
   return sequence;
 }
 
+Sequence Sweep::TraceClosed(const Closing& closing) const {
+  Sequence sequence = Trace(closing.by.node);
+  sequence.cost = closing.by.cost;
+  sequence.closed = true;
+  return sequence;
+}
+
 size_t Sweep::TraceBack(size_t t, size_t node, Sequence& sequence) const {
   size_t next = kNoNode;  // the layer after, when it has nodes and is joined to this one
   for (; t != kNoNode; t = used_before_[t]) {

@@ -55,6 +55,8 @@ class Sweep {
 
   /// The sequence that ends in `node` of the last layer that has nodes.
   Sequence Trace(size_t node) const;
+  /// The closed one that Close() has found.
+  Sequence TraceClosed(const Closing& closing) const;
   /// Adds the way to `node` of the last layer that has nodes, or to the cheapest node before layer `t`, to
   /// `sequence`. The layer before which it was entered anew; kNoNode where it goes back to the first layer.
   size_t TraceFrom(size_t node, Sequence& sequence) const { return TraceBack(last_used_, node, sequence); }

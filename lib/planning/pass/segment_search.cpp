@@ -10,7 +10,7 @@ namespace {
 // Sweeps that ask for any good closed sequence.
 constexpr int kQuickSweeps = 3;
 constexpr int kAllSweeps = std::numeric_limits<int>::max();
-// Shares of its cost by which a free ring is hardly cheaper than another.
+// Share of its cost by which a free ring is hardly cheaper than another.
 constexpr double kHardlyCheaper = 5e-4;
 
 }  // namespace
