@@ -14,6 +14,9 @@ using Eigen::Vector3d;
 constexpr int kLooks = 32;             // at the front of a slice
 constexpr int kHalvings = 8;           // of the way between two looks
 constexpr double kStepsPerTurn = 192;  // of the integral
+// Share of the feed that an edge across the axis must go down by before it cuts: less comes from rounding and
+// from the chords of a curved skin, and would put the whole of it into the material or out of it.
+constexpr double kGraze = 1e-3;
 
 /// The stance's own frame: ahead, left, up; and the feed in it.
 struct StanceFrame {
@@ -35,7 +38,7 @@ struct StanceFrame {
 std::pair<double, double> Front(const EdgeSlice& slice, const StanceFrame& frame) {
   const double reach = slice.sin_lead * frame.along, against = slice.cos_lead * frame.rise;
   if (reach <= against) return {0, 0};
-  if (reach <= -against) return {-kPi / 2, 1.5 * kPi};
+  if (reach <= -against) return -against > kGraze ? std::pair(-kPi / 2, 1.5 * kPi) : std::pair(0.0, 0.0);
   const double start = Asin(against / reach);
   return {start, kPi - start};
 }

@@ -2,6 +2,8 @@
 #include "toolpath/engagement/standing.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <span>
 
 namespace millpose {
 namespace {
@@ -67,17 +69,11 @@ void SweptPath::Build(int stretch, int first, int count) {
   Stretch made;
   made.first = first;
   made.count = count;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  made.bar = BarOf(first, count);
   for (int i = first; i < first + count; ++i) {
-    const Motion& motion = motions_[static_cast<size_t>(i)];
-    made.box.extend(motion.from);
-    made.box.extend(motion.to);
-    sum += motion.axis;
+    made.box.extend(motions_[static_cast<size_t>(i)].from);
+    made.box.extend(motions_[static_cast<size_t>(i)].to);
   }
-  made.axis = sum.norm() > 0 ? Eigen::Vector3d(sum.normalized()) : motions_[static_cast<size_t>(first)].axis;
-  for (int i = first; i < first + count; ++i)
-    made.lean = std::max(made.lean, (motions_[static_cast<size_t>(i)].axis - made.axis).norm());
-  made.reach = made.box.diagonal().norm() / 2;
   if (count > 1) {
     made.half = static_cast<int>(stretches_.size());
     stretches_.emplace_back();
@@ -89,12 +85,38 @@ void SweptPath::Build(int stretch, int first, int count) {
   Build(made.half + 1, first + count / 2, count - count / 2);
 }
 
+SweptBar SweptPath::BarOf(int first, int count) const {
+  const std::span motions =
+      std::span(motions_).subspan(static_cast<size_t>(first), static_cast<size_t>(count));
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Motion& motion : motions) sum += motion.axis;
+  SweptBar bar;
+  bar.from = motions.front().from;
+  bar.way = motions.back().to - bar.from;
+  bar.axis = sum.norm() > 0 ? Eigen::Vector3d(sum.normalized()) : motions.front().axis;
+  const double square = bar.way.squaredNorm();
+  for (const Motion& motion : motions) {
+    bar.lean = std::max(bar.lean, (motion.axis - bar.axis).norm());
+    for (const Eigen::Vector3d& tip : {motion.from, motion.to}) {
+      const Eigen::Vector3d beyond = tip - bar.from;
+      const double share = square > 0 ? std::clamp(beyond.dot(bar.way) / square, 0.0, 1.0) : 0.0;
+      bar.off = std::max(bar.off, (beyond - share * bar.way).norm());
+    }
+  }
+  return bar;
+}
+
+bool SweptPath::IsShort(const Stretch& stretch) const {
+  constexpr int kMost = 32;  // motions, each of which may be asked
+  constexpr double kStraight = 0.02;
+  return stretch.half == 0 || (stretch.count <= kMost && stretch.box.diagonal().norm() < 2 * cutter_.radius &&
+                               stretch.bar.off < kStraight * cutter_.radius);
+}
+
 SweptPath::Near SweptPath::Before(size_t number, const Eigen::Vector3d& place, const Eigen::Vector3d& normal,
                                   double above) const {
-  Near near{number, place, normal, Reach(cutter_, above), {}};
+  Near near{number, place, normal, Reach(cutter_, above), {}, {}};
   const Eigen::AlignedBox3d about = BoxAbout(place, near.reach);
-  // Short enough that most of what is asked about a stretch is answered for all of it.
-  const double is_short = cutter_.radius / 4;
   std::vector<int> open;
   if (!stretches_.empty()) open.push_back(0);
   while (!open.empty()) {
@@ -103,10 +125,16 @@ SweptPath::Near SweptPath::Before(size_t number, const Eigen::Vector3d& place, c
     const Stretch& stretch = stretches_[static_cast<size_t>(index)];
     if (motions_[static_cast<size_t>(stretch.first)].number > number || !stretch.box.intersects(about))
       continue;
-    if (stretch.half == 0 || stretch.reach < is_short)
+    if (IsShort(stretch))
       near.stretches.push_back(index);
     else
       open.insert(open.end(), {stretch.half, stretch.half + 1});
+  }
+  near.blocks.resize((near.stretches.size() + kLanes - 1) / kLanes);
+  for (size_t i = 0; i < near.stretches.size(); ++i) {
+    const SweptBar& bar = stretches_[static_cast<size_t>(near.stretches[i])].bar;
+    const double lowest = (bar.from - place).dot(normal) + std::min(0.0, bar.way.dot(normal)) - bar.off;
+    near.blocks[i / kLanes].Set(static_cast<int>(i % kLanes), bar, lowest - drop_);
   }
   return near;
 }
@@ -124,23 +152,11 @@ bool SweptPath::Takes(const Motion& motion, const Eigen::Vector3d& place) const 
   return radius > 0 && from_tip.squaredNorm() - up * up < radius * radius;
 }
 
-// False where none of its motions can: all of them run too far beside the place, or too high above it.
-bool SweptPath::MayTake(const Stretch& stretch, const Near& near, const Eigen::Vector3d& place) const {
-  const Eigen::Vector3d middle = stretch.box.center(), away = place - middle;
-  if (motions_[static_cast<size_t>(stretch.first)].number > near.number) return false;
-  if ((middle - place).dot(near.normal) - stretch.reach > drop_) return false;
-  const double distance = away.norm(), along = away.dot(stretch.axis);
-  const double beside = std::sqrt(std::max(0.0, distance * distance - along * along));
-  return beside - stretch.reach - (distance + stretch.reach) * stretch.lean < cutter_.radius;
-}
-
-bool SweptPath::Removed(int index, const Near& near, const Eigen::Vector3d& place) const {
-  const Stretch& stretch = stretches_[static_cast<size_t>(index)];
-  if (stretch.half > 0)
-    return MayTake(stretch, near, place) &&
-           (Removed(stretch.half + 1, near, place) || Removed(stretch.half, near, place));
-  const Motion& motion = motions_[static_cast<size_t>(stretch.first)];
-  if (motion.number > near.number || !stretch.box.intersects(BoxAbout(near.place, near.reach))) return false;
+bool SweptPath::TakesAt(int index, const Near& near, const Eigen::Vector3d& place) const {
+  const Motion& motion = motions_[static_cast<size_t>(index)];
+  if (motion.number > near.number) return false;
+  const Eigen::AlignedBox3d tips(motion.from.cwiseMin(motion.to), motion.from.cwiseMax(motion.to));
+  if (!tips.intersects(BoxAbout(near.place, near.reach))) return false;
   const double height = (place - near.place).dot(near.normal);
   const double at_start = (motion.from - near.place).dot(near.normal);
   const double at_end = (motion.to - near.place).dot(near.normal);
@@ -148,11 +164,21 @@ bool SweptPath::Removed(int index, const Near& near, const Eigen::Vector3d& plac
 }
 
 bool SweptPath::Removed(Near& near, const Eigen::Vector3d& place) const {
-  const auto taken =
-      std::ranges::find_if(near.stretches, [&](int stretch) { return Removed(stretch, near, place); });
-  if (taken == near.stretches.end()) return false;
-  std::iter_swap(taken, near.stretches.begin());  // it mostly takes the next place too
-  return true;
+  if (near.last_taker >= 0 && TakesAt(near.last_taker, near, place)) return true;
+  const double height = (place - near.place).dot(near.normal);
+  for (size_t block = 0; block < near.blocks.size(); ++block) {
+    uint32_t may = TakersIn(near.blocks[block], place, height, cutter_.radius);
+    for (; may != 0; may &= may - 1) {
+      const size_t at = block * kLanes + static_cast<size_t>(std::countr_zero(may));
+      const Stretch& stretch = stretches_[static_cast<size_t>(near.stretches[at])];
+      for (int motion = stretch.first; motion < stretch.first + stretch.count; ++motion) {
+        if (!TakesAt(motion, near, place)) continue;
+        near.last_taker = motion;
+        return true;
+      }
+    }
+  }
+  return false;
 }
 
 }  // namespace millpose

@@ -4,6 +4,7 @@
 
 #include "geometry/mesh/mesh.hpp"
 #include "toolpath/engagement/edge_cut.hpp"
+#include "toolpath/engagement/stretch_block.hpp"
 #include "toolpath/milling_point.hpp"
 #include "toolpath/region.hpp"
 
@@ -33,10 +34,12 @@ class SweptPath {
 
   /// What has been swept near a place when the cutter comes to a point.
   struct Near {
-    size_t number = 0;              ///< of the point
-    Eigen::Vector3d place, normal;  ///< its own
-    double reach = 0;               ///< mm along each axis of P: no motion whose tips are farther matters
-    std::vector<int> stretches;     ///< of the path; first the one that has taken a place last
+    size_t number = 0;                 ///< of the point
+    Eigen::Vector3d place, normal;     ///< its own
+    double reach = 0;                  ///< mm along each axis of P: no motion whose tips are farther matters
+    std::vector<int> stretches;        ///< of the path
+    std::vector<StretchBlock> blocks;  ///< the same, in that order
+    int last_taker = -1;               ///< of the motions; it mostly takes the next place too
   };
   /// Near::reach. `above`, mm: how much farther up the tool's axis than the cutter's radius it is asked
   /// about.
@@ -55,17 +58,17 @@ class SweptPath {
   /// stand as close as they like: what is asked costs by its length.
   struct Stretch {
     Eigen::AlignedBox3d box;  ///< of the tips
-    Eigen::Vector3d axis;     ///< of the cutter in the mean
-    double reach = 0;         ///< of the box about its middle, mm
-    double lean = 0;          ///< of the axes about the mean: largest length of the difference
+    SweptBar bar;             ///< about them
     int first = 0, count = 0;
     int half = 0;  ///< 0: a single motion
   };
   void Add(const MillingPoint& from, const MillingPoint& to, size_t number);
   void Build(int stretch, int first, int count);
+  SweptBar BarOf(int first, int count) const;
+  /// Whether most of what is asked about a stretch is answered for all of it.
+  bool IsShort(const Stretch& stretch) const;
   bool Takes(const Motion& motion, const Eigen::Vector3d& place) const;
-  bool MayTake(const Stretch& stretch, const Near& near, const Eigen::Vector3d& place) const;
-  bool Removed(int stretch, const Near& near, const Eigen::Vector3d& place) const;
+  bool TakesAt(int motion, const Near& near, const Eigen::Vector3d& place) const;
   CutterShape cutter_;
   double drop_ = 0;  ///< mm: no place of the cutter lies lower than this below its tip, seen from near it
   std::vector<Motion> motions_;

@@ -186,6 +186,38 @@ TEST(Engagement, OfAZigzagIsASlotFirstThenUpAndDownInTurns) {
   }
 }
 
+// The stock's frame is anywhere in space; rounding then tilts feed and axis against each other by 1e-16.
+TEST(Engagement, OfAPartThatLiesOtherwiseIsTheSame) {
+  Toolpath zigzag;
+  for (int k = 0; k < 4; ++k) {
+    const double y = 8 + 4 * k;
+    zigzag.passes.push_back(PassAlong(k % 2 == 0 ? Line({-8, y}, {68, y}) : Line({68, y}, {-8, y})));
+  }
+  Toolpath upright = zigzag;
+  SetEngagement(Flat(), 1, {}, upright);
+  for (const double angle : {0.3, 1.1, 2.9}) {
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, Vector3d(1, 2, -0.5).normalized()).matrix();
+    Toolpath turned = zigzag;
+    for (Pass& pass : turned.passes)
+      for (MillingPoint& point : pass.points)
+        for (Vector3d* vector : {&point.position, &point.normal, &point.feed, &point.tool_axis})
+          *vector = turn * *vector;
+    EngagementOptions options = Flat();
+    options.stock = [turn, stock = options.stock](const Vector3d& p) { return stock(turn.transpose() * p); };
+    SetEngagement(options, 1, {}, turned);
+    for (size_t k = 0; k < 4; ++k)
+      for (size_t i = 0; i < zigzag.passes[k].points.size(); ++i) {
+        const Engagement &here = turned.passes[k].points[i].engagement,
+                         &there = upright.passes[k].points[i].engagement;
+        const Vector2d at = zigzag.passes[k].points[i].position.head<2>();
+        EXPECT_EQ(std::string(Name(here.side)), Name(there.side)) << at.transpose();
+        EXPECT_NEAR(here.width, there.width, 1e-6) << at.transpose();
+        EXPECT_NEAR(here.depth, there.depth, 1e-6) << at.transpose();
+        EXPECT_LT((turn.transpose() * here.force - there.force).norm(), 1e-6) << at.transpose();
+      }
+  }
+}
+
 // Points may stand as close as they like: what they take off is the same, and the time rises in proportion.
 TEST(Engagement, OfDensePointsIsThatOfTheSameWay) {
   const auto zigzag = [](double spacing) {
