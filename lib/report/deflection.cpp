@@ -66,23 +66,35 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
   return report;
 }
 
-std::string DeflectionCsv(const DeflectionReport& report) {
-  constexpr double kMicrometres = 1000;
-  std::string csv =
+namespace {
+
+void AppendDeflection(const DeflectedPoint& point, std::string& csv) {
+  constexpr double kMicro = 1000;
+  const PredictedDeflection& d = point.deflection;
+  const Eigen::Vector3d moved = kMicro * point.moved;
+  const Engagement& cut = point.engagement;
+  const auto end = std::back_inserter(csv);
+  fmt::format_to(end, "{},{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}", point.number, point.pass,
+                 Name(cut.side), cut.width, cut.depth, point.force.x(), point.force.y(), point.force.z());
+  fmt::format_to(end, ",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", moved.x(), moved.y(),
+                 moved.z(), kMicro * d.normal, kMicro * d.feed, kMicro * d.across, kMicro * d.length);
+}
+
+}  // namespace
+
+void WriteDeflectionCsv(const DeflectionReport& report, int threads, const ByteSink& sink) {
+  constexpr size_t kTogether = 1024;  // rows
+  sink(
       "point,pass,side,width_mm,depth_mm,force_x_N,force_y_N,force_z_N,x_um,y_um,z_um,normal_um,feed_um,"
-      "across_um,length_um\n";
-  for (const DeflectedPoint& point : report.points) {
-    const PredictedDeflection& d = point.deflection;
-    const Eigen::Vector3d moved = kMicrometres * point.moved;
-    const Engagement& cut = point.engagement;
-    csv +=
-        fmt::format("{},{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}", point.number, point.pass,
-                    Name(cut.side), cut.width, cut.depth, point.force.x(), point.force.y(), point.force.z());
-    csv += fmt::format(",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", moved.x(), moved.y(),
-                       moved.z(), kMicrometres * d.normal, kMicrometres * d.feed, kMicrometres * d.across,
-                       kMicrometres * d.length);
-  }
-  return csv;
+      "across_um,length_um\n");
+  const size_t count = report.points.size();
+  const auto rows = [&](size_t part) {
+    std::string csv;
+    for (size_t i = part * kTogether; i < std::min(count, (part + 1) * kTogether); ++i)
+      AppendDeflection(report.points[i], csv);
+    return csv;
+  };
+  WriteInOrder((count + kTogether - 1) / kTogether, threads, {}, rows, sink);
 }
 
 }  // namespace millpose

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/byte_sink.hpp"
 #include "machine/stiffness/series.hpp"
 #include "planning/result/plan_result.hpp"
 #include "toolpath/engagement/process_force.hpp"
@@ -50,7 +51,7 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
                                     const ForceDoubt& bounds = {});
 
 /// point,pass,side,width_mm,depth_mm,force_x_N … (in P),x_um … (in P),normal_um,feed_um,across_um,length_um;
-/// 17 significant digits.
-std::string DeflectionCsv(const DeflectionReport& report);
+/// 17 significant digits. Rows are made on `threads` threads, in order.
+void WriteDeflectionCsv(const DeflectionReport& report, int threads, const ByteSink& sink);
 
 }  // namespace millpose

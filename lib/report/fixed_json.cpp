@@ -28,7 +28,7 @@ FixedTree FixedOf(const std::vector<PointFigures>& plan, const std::vector<Point
 }  // namespace
 
 nlohmann::ordered_json FixedRotationJson(const PlanResult& plan, const ReportInputs& inputs) {
-  const std::optional<FixedComparison>& fixed = inputs.fixed;
+  const FixedComparison* const fixed = inputs.fixed;
   if (!fixed) return nullptr;
   const bool known = inputs.lost_motion && inputs.lost_motion->Known();
   const auto choice = [&](const FixedChoice& of, bool one_rotation) {

@@ -38,33 +38,26 @@ class ArrayWriter {
   explicit ArrayWriter(const std::vector<const PlannedPoint*>& points) : points_(points) {}
 
   template <class Get>
-  void Numbers(std::string name, Get get) {
-    parts_.push_back([this, name = std::move(name), get] {
-      std::string text = Begin("Float64", name, 1);
-      for (const PlannedPoint* point : points_) Add(get(*point), text);
-      return text + kEnd;
-    });
+  void Numbers(const std::string& name, Get get) {
+    Array("Float64", name, 1, points_.size(),
+          [this, get](size_t i, std::string& text) { Add(get(*points_[i]), text); });
   }
   template <class Get>
-  void PoseNumbers(std::string name, Get get) {
-    Numbers(std::move(name), [get](const PlannedPoint& point) {
+  void PoseNumbers(const std::string& name, Get get) {
+    Numbers(name, [get](const PlannedPoint& point) {
       return point.skip == Infeasibility::kNone ? static_cast<double>(get(point)) : 0.0;
     });
   }
   template <class Get>
-  void Vectors(std::string name, Get get) {
-    parts_.push_back([this, name = std::move(name), get] {
-      std::string text = Begin("Float64", name, 3);
-      for (const PlannedPoint* point : points_)
-        for (const double value : Eigen::Vector3d(get(*point))) Add(value, text);
-      return text + kEnd;
+  void Vectors(const std::string& name, Get get) {
+    Array("Float64", name, 3, points_.size(), [this, get](size_t i, std::string& text) {
+      for (const double value : Eigen::Vector3d(get(*points_[i]))) Add(value, text);
     });
   }
-  void Indices(std::string name, std::vector<size_t> values) {
-    parts_.push_back([name = std::move(name), values = std::move(values)] {
-      std::string text = Begin("Int64", name, 1);
-      for (const size_t value : values) fmt::format_to(std::back_inserter(text), "{} ", value);
-      return text + kEnd;
+  /// `values` outlives this.
+  void Indices(const std::string& name, const std::vector<size_t>& values) {
+    Array("Int64", name, 1, values.size(), [&values](size_t i, std::string& text) {
+      fmt::format_to(std::back_inserter(text), "{} ", values[i]);
     });
   }
   void Line(std::string line) {
@@ -76,11 +69,20 @@ class ArrayWriter {
   }
 
  private:
-  static constexpr const char* kEnd = "\n</DataArray>\n";
+  static constexpr size_t kTogether = 4096;  // values, or vectors, of a part: few, as parts wait together
 
-  static std::string Begin(const char* type, const std::string& name, int components) {
-    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n",
-                       type, name, components);
+  /// `add(i, text)` appends value i of `count`.
+  template <class Append>
+  void Array(const char* type, const std::string& name, int components, size_t count, const Append& add) {
+    Line(fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">", type,
+                     name, components));
+    for (size_t first = 0; first < count; first += kTogether)
+      parts_.push_back([add, first, last = std::min(count, first + kTogether)] {
+        std::string text;
+        for (size_t i = first; i < last; ++i) add(i, text);
+        return text;
+      });
+    Line("\n</DataArray>");
   }
   static void Add(double value, std::string& text) { fmt::format_to(std::back_inserter(text), "{} ", value); }
 
@@ -124,17 +126,23 @@ void AddCells(const char* tag, const Cells& cells, ArrayWriter* out) {
   out->Line(fmt::format("</{}>", tag));
 }
 
-void AddPointData(const PlanResult& plan, ArrayWriter* out) {
+/// Of every point: its number and its pass.
+struct PointIndices {
+  explicit PointIndices(const PlanResult& plan) {
+    for (const PassResult& pass : plan.passes)
+      for (size_t i = 0; i < pass.points.size(); ++i) {
+        numbers.push_back(numbers.size());
+        passes.push_back(static_cast<size_t>(pass.pass));
+      }
+  }
+  std::vector<size_t> numbers, passes;
+};
+
+void AddPointData(const PlanResult& plan, const PointIndices& indices, ArrayWriter* out) {
   using P = const PlannedPoint&;
   out->Line("<PointData Scalars=\"objective\">");
-  std::vector<size_t> passes, numbers;
-  for (const PassResult& pass : plan.passes)
-    for (size_t i = 0; i < pass.points.size(); ++i) {
-      numbers.push_back(numbers.size());
-      passes.push_back(static_cast<size_t>(pass.pass));
-    }
-  out->Indices("point", numbers);
-  out->Indices("pass", passes);
+  out->Indices("point", indices.numbers);
+  out->Indices("pass", indices.passes);
   out->Numbers("planned", [](P p) { return p.skip == Infeasibility::kNone ? 1.0 : 0.0; });
   out->Numbers("skip_reason", [](P p) { return static_cast<double>(p.skip); });
   out->PoseNumbers("piece", [](P p) { return p.piece; });
@@ -170,6 +178,7 @@ void WritePathVtp(const PlanResult& planned, int threads, const ByteSink& sink) 
   const PlanResult& plan = moved ? *moved : planned;
   const std::vector<const PlannedPoint*> points = AllPoints(plan);
   const Cells skipped = Skipped(points), pieces = Pieces(plan);
+  const PointIndices indices(plan);
   ArrayWriter out(points);
   out.Line("<?xml version=\"1.0\"?>");
   out.Line("<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">");
@@ -178,7 +187,7 @@ void WritePathVtp(const PlanResult& planned, int threads, const ByteSink& sink) 
       fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" "
                   "NumberOfStrips=\"0\" NumberOfPolys=\"0\">",
                   points.size(), skipped.offsets.size(), pieces.offsets.size()));
-  AddPointData(plan, &out);
+  AddPointData(plan, indices, &out);
   out.Line("<Points>");
   out.Vectors("position_mm", [](const PlannedPoint& p) { return p.point.position; });
   out.Line("</Points>");

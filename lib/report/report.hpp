@@ -110,7 +110,7 @@ struct ReportInputs {
   std::optional<LostMotionReport> lost_motion;      ///< of every plan
   std::optional<Budget> budget;                     ///< likewise
   std::vector<FaceChoice> faces;                    ///< where whole ways are judged by the face
-  std::optional<FixedComparison> fixed;             ///< beside the best fixed rotation
+  const FixedComparison* fixed = nullptr;           ///< beside the best fixed rotation; outlives this
   std::optional<PoseSteps> steps;                   ///< when the cell says how well the tool is known
   std::optional<FaceReport> face;                   ///< when it was asked for
 };

@@ -48,7 +48,7 @@ TEST(Deflection, IsComplianceTimesForceAtEveryPlannedCutPoint) {
   }
   ASSERT_TRUE(report.face.has_value());
   EXPECT_NEAR(report.points[0].moved.x(), -report.points[0].deflection.normal, 1e-15);  // P is W here
-  const std::string csv = DeflectionCsv(report);
+  const std::string csv = BytesOf([&](const ByteSink& sink) { WriteDeflectionCsv(report, 1, sink); });
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
   EXPECT_TRUE(csv.starts_with("point,pass,side,width_mm,depth_mm,force_x_N,"));
   EXPECT_NE(csv.find("\n2,0,up,6,1,-10,30,50,"), std::string::npos) << csv;

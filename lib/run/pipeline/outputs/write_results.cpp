@@ -68,13 +68,16 @@ void ExplainSlow(const FeedReduction& reduction, const std::vector<ExternalAxis>
           .push_back(fmt::format("the feed falls like this in {} stretches more", told[rubs] - kTold));
 }
 
+/// The texts of programs, which stand where they were made.
+using FilesByPath = std::map<std::string, const std::string*>;
+
 // What pieces cannot be started by themselves, and the files of the others.
-void AddStarts(const JobStarts& starts, ReportInputs& report, std::map<std::string, std::string>& files) {
+void AddStarts(const JobStarts& starts, ReportInputs& report, FilesByPath& files) {
   for (const auto& [controller, programs] : starts.programs)
     for (const StartProgram& start : programs) {
       if (start.Confirmed()) {
         for (const auto& [name, bytes] : start.files)
-          files[fmt::format("{}/{}/{}", controller, kStarts, name)] = bytes;
+          files[fmt::format("{}/{}/{}", controller, kStarts, name)] = &bytes;
         continue;
       }
       const std::string what = fmt::format("{}: pass {} piece {} cannot be started by itself: ", controller,
@@ -222,18 +225,18 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   report.budget =
       MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion,
                  report.registration ? &*report.registration : nullptr, geometry ? &*geometry : nullptr);
-  report.fixed = results.fixed;
+  report.fixed = &results.fixed;
   report.faces = results.faces;
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {
     report.steps = FindPoseSteps(plan, *tool, FinishedFrom(results.inputs.job, plan.passes.size()));
     if (const std::string steps = Describe(*report.steps); !steps.empty()) report.warnings.push_back(steps);
   }
   report.face = results.face;
-  std::map<std::string, std::string> files;
+  FilesByPath files;
   for (const CheckedProgram& program : programs)
     for (const auto& [name, bytes] : program.files) {
       const std::string path = program.controller + "/" + name;
-      if (program.Confirmed()) files[path] = bytes;
+      if (program.Confirmed()) files[path] = &bytes;
       report.programs.push_back({"programs/" + path, program.controller,
                                  MotionsPerPass(program, plan.passes.size()), program.saved, program.near,
                                  program.Confirmed(), program.WhyWithheld(), ButForOf(program)});
@@ -258,21 +261,23 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   set.Add("points.csv",
           [&](const ByteSink& sink) { WritePointsCsv(plan, cutter, &*report.lost_motion, threads, sink); });
   set.Add("path.vtp", [&](const ByteSink& sink) { WritePathVtp(plan, threads, sink); });
-  if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
+  if (report.deflection)
+    set.Add("deflection.csv",
+            [&](const ByteSink& sink) { WriteDeflectionCsv(*report.deflection, threads, sink); });
   if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
   if (report.face) set.Add("face.csv", FaceCsv(report.face->rays, report.face->plan.expected.heights));
   set.Add("summary.json", SummaryJson(plan, report));
   set.Add("report.html",
           ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
                       report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
-                      report.times, &*report.fixed, &results.parts.map, &results.timeline,
-                      &*report.lost_motion, &*report.budget, report.face ? &*report.face : nullptr,
+                      report.times, report.fixed, &results.parts.map, &results.timeline, &*report.lost_motion,
+                      &*report.budget, report.face ? &*report.face : nullptr,
                       results.parts.removal ? &*results.parts.removal : nullptr, results.language,
                       report.stock ? &*report.stock : nullptr, results.inputs.job.operation}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);
-  for (const auto& [name, bytes] : files) set.Add(fmt::format("{}/{}", kProgramsFolder, name), bytes);
+  for (const auto& [name, bytes] : files) set.Add(fmt::format("{}/{}", kProgramsFolder, name), *bytes);
   return report;
 }
 

@@ -26,7 +26,7 @@ struct Results {
   RotationGrid grid;                         ///< of the curves
   const ReportParts& parts;                  ///< for report.html, as is the next
   const Timeline& timeline;
-  const FixedComparison& fixed;
+  const FixedComparison& fixed;  ///< outlives the returned
   const std::vector<FaceChoice>& faces;
   const std::optional<CuttingForce>& heaviest;  ///< where the job says what is cut
   std::optional<double> compensation_remains;
