@@ -36,6 +36,7 @@ class Boxed {
   const T* operator->() const { return value_.get(); }
 
   void reset() { value_.reset(); }
+  T& emplace() { return *(value_ = std::make_unique<T>()); }
   std::optional<T> AsOptional() const { return value_ ? std::optional<T>(*value_) : std::nullopt; }
 
   bool operator==(const Boxed& other) const {
@@ -44,6 +45,14 @@ class Boxed {
 
  private:
   std::unique_ptr<T> value_;
+};
+
+/// std::optional or Boxed.
+template <typename T>
+concept MayBeMissing = requires(T value) {
+  value.has_value();
+  value.emplace();
+  value.reset();
 };
 
 }  // namespace millpose

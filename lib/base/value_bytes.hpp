@@ -15,6 +15,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/boxed.hpp"
 #include "base/hash.hpp"
 
 namespace millpose {
@@ -141,8 +142,8 @@ class ValueBytes {
   void Append(const std::pair<A, B>& pair) {
     Add(pair.first, pair.second);
   }
-  template <class T>
-  void Append(const std::optional<T>& value) {
+  template <MayBeMissing T>
+  void Append(const T& value) {
     Append(value.has_value());
     if (value) Append(*value);
   }

@@ -85,8 +85,8 @@ class ValueReader {
     Take(pair.first);
     Take(pair.second);
   }
-  template <class T>
-  void Take(std::optional<T>& value) {
+  template <MayBeMissing T>
+  void Take(T& value) {
     bool given = false;
     Take(given);
     value.reset();

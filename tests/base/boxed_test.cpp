@@ -31,6 +31,9 @@ TEST(Boxed, IsAnOptionalInTheRoomOfAPointer) {
   EXPECT_EQ(*a, "parts");
   b = none;
   EXPECT_FALSE(b);
+  Boxed<std::string> made;
+  made.emplace() = "parts";
+  EXPECT_EQ(made, a);
   Boxed<std::string> moved = std::move(a);
   EXPECT_EQ(*moved, "parts");
   moved.reset();

@@ -12,10 +12,4 @@ PassResult AtNominalLean(const PoseProblem& problem, PassResult plan) {
   return plan;
 }
 
-std::vector<PassResult> AtNominalLean(const PoseProblem& problem, std::vector<PassResult> plans) {
-  if (HasLean(problem))
-    for (PassResult& plan : plans) plan = AtNominalLean(problem, std::move(plan));
-  return plans;
-}
-
 }  // namespace millpose

@@ -9,6 +9,5 @@ namespace millpose {
 /// A plan with the tool at every point as the tool path was laid, to compare places and ways with others of
 /// the same pass. Joints and freedoms stay as planned. The same plan where nothing leans.
 PassResult AtNominalLean(const PoseProblem& problem, PassResult plan);
-std::vector<PassResult> AtNominalLean(const PoseProblem& problem, std::vector<PassResult> plans);
 
 }  // namespace millpose

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/boxed.hpp"
 #include "machine/robot/arm.hpp"
 #include "machine/robot/mechanism.hpp"
 #include "machine/stiffness/compliance.hpp"
@@ -87,8 +88,8 @@ struct PlannedPoint {
   std::vector<PaperAnswer> paper;  ///< one with formulation paper, else none
   bool from_genetic = false;  ///< its node came from the genetic algorithm (and may have been smoothed since)
   double clearance = 0;       ///< mm, of the nearest pair of bodies; at most kPointClearanceBound
-  std::optional<NearestPair> nearest;        ///< that pair; empty: none is so near
-  std::optional<Compensation> compensation;  ///< of a planned point, where the job asks for it
+  std::optional<NearestPair> nearest;  ///< that pair; empty: none is so near
+  Boxed<Compensation> compensation;    ///< of a planned point, where the job asks for it
   /// Where the external axes are at this point, in passes along which they move (ExternalAt); between two
   /// points of a piece each goes evenly. Vectors in W are then of that moment.
   std::optional<ExternalPosition> external;

@@ -20,8 +20,8 @@ struct Counter {
   void operator()(const char*, const T&) {
     ++fields;
   }
-  template <class T>
-  void operator()(const char*, const std::optional<T>& value) {
+  template <MayBeMissing T>
+  void operator()(const char*, const T& value) {
     fields += value.has_value();
   }
   template <class E, size_t kCount>
@@ -42,8 +42,8 @@ struct Writer {
     Write(value);
   }
   /// A value that is written where there is one.
-  template <class T>
-  void operator()(const char* key, const std::optional<T>& value) {
+  template <MayBeMissing T>
+  void operator()(const char* key, const T& value) {
     if (value) (*this)(key, *value);
   }
   /// An enum by its word.
@@ -110,8 +110,8 @@ struct Reader {
     if (!Take(key)) throw std::runtime_error(fmt::format("{} expected", key));
     Read(value);
   }
-  template <class T>
-  void operator()(const char* key, std::optional<T>& value) {
+  template <MayBeMissing T>
+  void operator()(const char* key, T& value) {
     value.reset();
     if (Take(key)) Read(value.emplace());
   }

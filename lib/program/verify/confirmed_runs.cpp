@@ -18,10 +18,9 @@ void AddRun(const Replayed& replayed, const FeedRun& run, ValueBytes& bytes) {
     const auto& [type, X_PT, q, status, turn, least, external, frame, frame_at_begin, feed, duration, angles,
                  turn_speed, clearance_share, exact, blend, angle_blend, call, pass, point, file, line] =
         motions[i];
-    bytes.Add(type, X_PT, q, status, turn, least.AsOptional(), external, frame.AsOptional(),
-              frame_at_begin.AsOptional(), feed, duration, angles, turn_speed, clearance_share, exact, blend,
-              angle_blend, call, pass, point, replayed.replay.targets[i],
-              static_cast<bool>(replayed.replay.reached[i]));
+    bytes.Add(type, X_PT, q, status, turn, least, external, frame, frame_at_begin, feed, duration, angles,
+              turn_speed, clearance_share, exact, blend, angle_blend, call, pass, point,
+              replayed.replay.targets[i], static_cast<bool>(replayed.replay.reached[i]));
   }
 }
 

@@ -50,8 +50,8 @@ void Fill(std::vector<T>& list, RandomStream& random) {
   list.resize(2);
   for (T& item : list) Fill(item, random);
 }
-template <class T>
-void Fill(std::optional<T>& value, RandomStream& random) {
+template <MayBeMissing T>
+void Fill(T& value, RandomStream& random) {
   Fill(value.emplace(), random);
 }
 template <class T>
@@ -68,10 +68,6 @@ template <class T>
 inline constexpr bool kIsList<std::vector<T>> = true;
 template <class T, size_t kSize>
 inline constexpr bool kIsList<std::array<T, kSize>> = true;
-template <class T>
-inline constexpr bool kIsOptional = false;
-template <class T>
-inline constexpr bool kIsOptional<std::optional<T>> = true;
 
 /// Bit for bit.
 template <class T>
@@ -84,7 +80,7 @@ bool Same(const T& a, const T& b) {
     return a.matrix() == b.matrix();
   } else if constexpr (kIsList<T>) {
     return std::ranges::equal(a, b, [](const auto& x, const auto& y) { return Same(x, y); });
-  } else if constexpr (kIsOptional<T>) {
+  } else if constexpr (MayBeMissing<T>) {
     return a.has_value() == b.has_value() && (!a || Same(*a, *b));
   } else if constexpr (requires { a.rows(); }) {
     for (Eigen::Index i = 0; i < a.size(); ++i)

@@ -33,8 +33,12 @@ class ProgramStage {
     const std::vector<std::string>& controllers = inputs_.job.programs;
     job_.programs.base_window = Window();
     std::vector<ControllerPrograms> made(controllers.size());
-    ParallelFor(made.size(), execution_.Threads(), execution_.stop,
-                [&](size_t i) { made[i] = Of(controllers[i]); });
+    // What a program is checked by takes as much memory as the plan.
+    constexpr size_t kMany = 200000;  // points
+    size_t points = 0;
+    for (const PassResult& pass : job_.plan.passes) points += pass.points.size();
+    const int at_once = points > kMany ? 1 : execution_.Threads();
+    ParallelFor(made.size(), at_once, execution_.stop, [&](size_t i) { made[i] = Of(controllers[i]); });
     for (size_t i = 0; i < made.size(); ++i) {
       if (made[i].whole.Confirmed()) job_.starts.programs[controllers[i]] = std::move(made[i].starts);
       job_.programs.programs.push_back(std::move(made[i].whole));

@@ -6,6 +6,7 @@
 #include "base/parallel.hpp"
 #include "job/assemble.hpp"
 #include "planning/pass/nominal_plan.hpp"
+#include "planning/pose/lean_problem.hpp"
 #include "planning/result/compared.hpp"
 #include "store/cached_stage.hpp"
 
@@ -43,7 +44,10 @@ FixedComparison CompareFixed(const JobInputs& inputs, const PreparedJob& prepare
   // Where there are external axes nobody notes what was asked about obstacles: they are all in the key.
   const bool watched = world.cell().external_axes.empty();
   const Obstacles obstacles = watched ? ObstaclesOf(world.cell()) : Obstacles();
-  const std::vector<PassResult> nominal = AtNominalLean(prepared.problem, passes);
+  std::vector<PassResult> upright;
+  if (HasLean(prepared.problem))
+    for (const PassResult& pass : passes) upright.push_back(AtNominalLean(prepared.problem, pass));
+  const std::vector<PassResult>& nominal = HasLean(prepared.problem) ? upright : passes;
   const std::string context = ContextOf(options, nominal, stations);
   std::vector<FixedPass> of_passes(passes.size(), {stations, {}});
   struct Before {
