@@ -11,7 +11,8 @@ import resolved_yaml
 from cli_fixture import FEW, TOP, InFolder, plan, run, tree
 
 PROGRAMS = {"programs-krl", "programs-sinumerik", "programs-linuxcnc"}
-OF_PLAN = {"ends", "fixed", "choices", "base-window"} | PROGRAMS  # what follows from all passes
+RUNS = {"runs-krl", "runs-sinumerik", "runs-linuxcnc"}  # cuts that were confirmed
+OF_PLAN = {"ends", "fixed", "choices", "base-window"} | PROGRAMS | RUNS  # what follows from all passes
 
 
 class Stages(InFolder):
@@ -59,7 +60,7 @@ class Stages(InFolder):
         self.cell["controllers"]["krl"]["advance"] = 2
         self.check({"programs-krl", "base-window"})  # the window is that of the first controller
         self.job["program_options"]["path_tolerance_mm"] = 0.03
-        self.check(PROGRAMS | {"base-window"})
+        self.check(PROGRAMS | RUNS | {"base-window"})
         for tolerance in (0.02, 0.03):  # undone and done again: what an edit replaced is there
             self.job["program_options"]["path_tolerance_mm"] = tolerance
             self.check(set())

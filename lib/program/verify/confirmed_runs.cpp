@@ -37,12 +37,32 @@ std::string ConfirmedRuns::KeyOf(const Replayed& replayed, const FeedRun& run, c
   return hasher.Digits();
 }
 
+std::string ConfirmedRuns::ContextOf(const VerifyOptions& options) {
+  // Every field has its name here, so that one that is added cannot be forgotten.
+  const auto& [position_tolerance, angle_tolerance, max_corner, step, lower, upper, coupled, swept_resolution,
+               clearance_reserve, feed_least, feed_most, spindle_tolerance, gap_tolerance, gap_proven,
+               jump_time, feed_jump, wrist_least, interference, as_it_is, most_findings, written, confirmed] =
+      options;
+  return HashOfValues(position_tolerance, angle_tolerance, max_corner, step, lower, upper, coupled,
+                      swept_resolution, clearance_reserve, feed_least, feed_most, gap_tolerance, gap_proven,
+                      jump_time, feed_jump, wrist_least);
+}
+
 std::vector<Proof> ConfirmedRuns::Find(const std::string& key) const {
   const std::lock_guard lock(mutex_);
-  const auto found = proofs_.find(key);
-  if (found == proofs_.end()) return {};
+  auto found = used_.find(key);
+  if (found == used_.end()) {
+    const auto known = known_.find(key);
+    if (known == known_.end()) return {};
+    found = used_.insert(*known).first;
+  }
   ++found_;
   return found->second;
+}
+
+ConfirmedRuns::Proofs ConfirmedRuns::Used() const {
+  const std::lock_guard lock(mutex_);
+  return used_;
 }
 
 size_t ConfirmedRuns::found() const {
@@ -50,9 +70,14 @@ size_t ConfirmedRuns::found() const {
   return found_;
 }
 
+size_t ConfirmedRuns::added() const {
+  const std::lock_guard lock(mutex_);
+  return added_;
+}
+
 void ConfirmedRuns::Add(const std::string& key, std::vector<Proof> proofs) {
   const std::lock_guard lock(mutex_);
-  proofs_.try_emplace(key, std::move(proofs));
+  added_ += used_.try_emplace(key, std::move(proofs)).second;
 }
 
 }  // namespace millpose

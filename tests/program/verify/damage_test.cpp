@@ -96,6 +96,27 @@ TEST_P(DamagedProgram, IsCaughtWithItsLine) {
   EXPECT_GE(kinds, 40);
 }
 
+TEST(ConfirmedRuns, AreOfAnotherContextWhereAnythingIsAskedOtherwise) {
+  VerifyOptions asked;
+  asked.lower.setConstant(-2), asked.upper.setConstant(2);
+  const std::string context = ConfirmedRuns::ContextOf(asked);
+  EXPECT_EQ(ConfirmedRuns::ContextOf(asked), context);
+  using O = VerifyOptions;
+  for (double O::*const number :
+       {&O::position_tolerance, &O::angle_tolerance, &O::max_corner, &O::step, &O::swept_resolution,
+        &O::clearance_reserve, &O::feed_least, &O::feed_most, &O::gap_tolerance, &O::gap_proven,
+        &O::jump_time, &O::feed_jump, &O::wrist_least}) {
+    VerifyOptions other = asked;
+    other.*number *= 1.5, other.*number += 1e-3;
+    EXPECT_NE(ConfirmedRuns::ContextOf(other), context);
+  }
+  VerifyOptions lower = asked, upper = asked, coupled = asked;
+  lower.lower[3] -= 0.1, upper.upper[5] += 0.1;
+  coupled.coupled.emplace_back();
+  for (const VerifyOptions& other : {lower, upper, coupled})
+    EXPECT_NE(ConfirmedRuns::ContextOf(other), context);
+}
+
 // Where cuts were confirmed before, a damaged program has the findings that it has by itself.
 TEST_P(DamagedProgram, IsCaughtLikewiseWhereItsCutsWereConfirmed) {
   ConfirmedRuns confirmed;
@@ -105,7 +126,9 @@ TEST_P(DamagedProgram, IsCaughtLikewiseWhereItsCutsWereConfirmed) {
     EXPECT_TRUE(Verify(Read(text), world, &program, knowing, {.threads = 2}).empty());
     EXPECT_EQ(confirmed.found(), again * FeedRuns(as_written).size());
   }
-  const size_t found = confirmed.found();
+  ConfirmedRuns later;  // of another process, which knows what the first has left
+  later.Know(confirmed.Used());
+  knowing.confirmed = &later;
   std::vector<TextEdit> edits = Damages();
   std::ranges::copy(HarmlessEdits(), std::back_inserter(edits));
   for (const TextEdit& edit : edits) {
@@ -123,7 +146,7 @@ TEST_P(DamagedProgram, IsCaughtLikewiseWhereItsCutsWereConfirmed) {
     } catch (const InputError&) {
     }
   }
-  EXPECT_GT(confirmed.found(), found) << "cuts that an edit leaves as they were";
+  EXPECT_GT(later.found(), 0u) << "cuts that an edit leaves as they were";
 }
 
 TEST_P(DamagedProgram, SubprogramsInAnotherOrderAreCaught) {

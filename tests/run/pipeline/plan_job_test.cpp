@@ -134,6 +134,23 @@ TEST(PlanJob, CheckpointsChangeWhatIsDoneAndNothingElse) {
 }
 
 // Cut off, of another pass, of another kind, no plan at all: each is as good as none.
+// Programs that have to be made again, of a plan whose cuts were confirmed before.
+TEST(PlanJob, CutsThatWereConfirmedAreNotComparedAgainUnlessTheArmOrWhatIsAskedHasChanged) {
+  const MemoryCheckpoints kept;
+  const auto compared = [&](const JobInputs& inputs) {
+    kept.stages.erase("programs-linuxcnc");
+    const size_t before = kept.stages["runs-linuxcnc"].size();
+    const std::string with = test::BytesOf(PlanJob(inputs, kept, {.threads = 2}));
+    EXPECT_EQ(with, test::BytesOf(PlanJob(inputs, NoCheckpoints(), {.threads = 2})));
+    return kept.stages["runs-linuxcnc"].size() > before;
+  };
+  EXPECT_TRUE(compared(SmallInputs()));
+  EXPECT_FALSE(compared(SmallInputs()));
+  kept.stages["runs-linuxcnc"].clear();
+  EXPECT_TRUE(compared(SmallInputs()));
+  EXPECT_TRUE(compared(SmallInputs({{"limits.margin_deg", "4"}})));
+}
+
 TEST(PlanJob, CheckpointsThatAreNotWhatTheySayAreNotUsed) {
   const JobInputs inputs = SmallInputs();
   const MemoryCheckpoints sound;

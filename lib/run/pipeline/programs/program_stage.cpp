@@ -78,9 +78,21 @@ class ProgramStage {
     const std::vector<std::string>& not_machined = job_.prepared.made.holes_left_out;
     ControllerPrograms made;
     const Programming with(handed, controller, world, execution_);
+    const std::string stage = "runs-" + controller;
+    // Where obstacles stand is no part of it: a comparison with the plan asks for the arm alone.
+    const std::string key =
+        StageKey(std::string("runs"), WithoutPlaces(world.cell()), ConfirmedRuns::ContextOf(with.options));
+    checkpoints_.ReadStage(stage, key, [&](const std::string& bytes) {
+      ConfirmedRuns::Proofs known;
+      if (!ValueReader(bytes).Read(known)) return false;
+      with.confirmed->Know(std::move(known));
+      return true;
+    });
     made.whole = MakeProgram(job_.plan, not_machined, job_.programs.base_window, with);
     if (made.whole.Confirmed())
       made.starts = MakeStartPrograms(job_.plan, job_.starts.ways, not_machined, with);
+    if (with.confirmed->added() > 0)
+      checkpoints_.WriteStage(stage, key, ValueBytes().Add(with.confirmed->Used()).bytes());
     return made;
   }
 
