@@ -16,6 +16,22 @@ bool IsBetter(const BranchScore& a, const BranchScore& b) {
   return a.free != b.free ? a.free > b.free : a.worst < b.worst;
 }
 
+std::array<BranchScore, 8> PromisesOf(const std::vector<CandidateTable>& tables) {
+  std::array<BranchScore, 8> promises;
+  for (const CandidateTable& table : tables) {
+    std::array<double, 8> least;
+    least.fill(kNone);
+    for (const CandidateTable::Entry& entry : table.entries())
+      least[entry.branch] = std::min(least[entry.branch], entry.objective);
+    for (size_t branch = 0; branch < 8; ++branch) {
+      if (least[branch] == kNone) continue;
+      ++promises[branch].free;
+      promises[branch].worst = std::max(promises[branch].worst, least[branch]);
+    }
+  }
+  return promises;
+}
+
 /// Of a way to a node: what cannot be reached comes last.
 struct BranchLadder::Cost {
   size_t breaks = std::numeric_limits<size_t>::max();
@@ -48,7 +64,7 @@ std::vector<size_t> BranchLadder::CheapestNear(const std::vector<Cost>& costs) {
 
 BranchLadder::BranchLadder(const AdmissibleBounds& bounds, const std::vector<CandidateTable>& tables,
                            size_t branch)
-    : tables_(tables) {
+    : tables_(&tables) {
   const Joints range = bounds.upper - bounds.lower;
   for (int j = 0; j < 6; ++j)
     if (range[j] > kPi && range[j] < 3 * kPi) stopped_.push_back(j);
@@ -86,10 +102,10 @@ BranchScore BranchLadder::Score(const Looks& look, const std::optional<BranchSco
   size_t looks = 0;
   const auto stands = [&](size_t t, const Node& node, size_t setting) {
     ++looks;
-    return look.stands(t, tables_[t].entries()[node.entry].q, tables_[t].Setting(setting));
+    return look.stands(t, (*tables_)[t].entries()[node.entry].q, (*tables_)[t].Setting(setting));
   };
   const auto leaves = [&](size_t t, const Node& node, size_t) {
-    return look.leaves(t, tables_[t].entries()[node.entry].q);
+    return look.leaves(t, (*tables_)[t].entries()[node.entry].q);
   };
   while (true) {
     const std::vector<Choice> chosen = Choose();
@@ -157,8 +173,8 @@ size_t BranchLadder::BestBefore(const std::vector<Cost>& costs, size_t near, siz
 /// Whether the joints can go from a node of layer t to one of layer u without a limit between them. An axis
 /// with far more than a turn goes round as far as it must.
 bool BranchLadder::Leads(size_t t, size_t from, size_t u, size_t to) const {
-  const Joints& q0 = tables_[t].entries()[layers_[t].nodes[from].entry].q;
-  const Joints& q1 = tables_[u].entries()[layers_[u].nodes[to].entry].q;
+  const Joints& q0 = (*tables_)[t].entries()[layers_[t].nodes[from].entry].q;
+  const Joints& q1 = (*tables_)[u].entries()[layers_[u].nodes[to].entry].q;
   return std::ranges::none_of(stopped_, [&](int j) { return std::abs(q1[j] - q0[j]) > kPi; });
 }
 
@@ -172,8 +188,8 @@ BranchScore BranchLadder::Result(const std::vector<Choice>& chosen) const {
       score.points.push_back({Infeasibility::kNone, layers_[t].nodes[choice.setting].objective});
       ++score.free;
       score.worst = std::max(score.worst, score.points.back().objective);
-    } else if (tables_[t].entries().empty()) {
-      score.points.push_back({tables_[t].reason(), 0});
+    } else if ((*tables_)[t].entries().empty()) {
+      score.points.push_back({(*tables_)[t].reason(), 0});
     } else {
       score.points.push_back({layers_[t].blocked ? Infeasibility::kInterference : Infeasibility::kStep, 0});
     }

@@ -2,6 +2,7 @@
 // One rotation for each point of a sampled pass on one branch, for `place`.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -21,6 +22,9 @@ struct BranchScore {
 
 /// More free points first, then the less bad worst one.
 bool IsBetter(const BranchScore& a, const BranchScore& b);
+
+/// Of every branch what no way along it beats: each point by itself, interference left aside.
+std::array<BranchScore, 8> PromisesOf(const std::vector<CandidateTable>& tables);
 
 /// A pass on one branch: of each point one rotation, not far from those of its neighbours, the worst point
 /// first, then the sum.
@@ -69,7 +73,7 @@ class BranchLadder {
   BranchScore Result(const std::vector<Choice>& chosen) const;
 
   std::vector<int> stopped_;  ///< joints that cannot go round, and turn far enough to be stopped by a limit
-  const std::vector<CandidateTable>& tables_;
+  const std::vector<CandidateTable>* tables_;
   std::vector<Layer> layers_;
 };
 

@@ -2,6 +2,7 @@
 #include "run/placement/place_score.hpp"
 
 #include <numeric>
+#include <tuple>
 
 #include "base/parallel.hpp"
 #include "job/assemble.hpp"
@@ -18,6 +19,19 @@ namespace {
 constexpr double kRotationStep = DegToRad(5);
 constexpr size_t kPart = 8;  // passes that share a checker
 
+/// A branch that may be the best: by what each point promises, or once it has a ladder by its best way.
+struct OpenBranch {
+  BranchScore bound;
+  size_t branch = 0;
+  std::optional<BranchLadder> ladder;
+
+  /// The better first; of equal ones those that are not known well, then by number.
+  static bool GoesBefore(const OpenBranch& a, const OpenBranch& b) {
+    if (IsBetter(a.bound, b.bound) || IsBetter(b.bound, a.bound)) return IsBetter(a.bound, b.bound);
+    return std::tuple(a.ladder.has_value(), a.branch) < std::tuple(b.ladder.has_value(), b.branch);
+  }
+};
+
 /// What a pass is scored with.
 struct PassScorer {
   const PoseProblem& problem;
@@ -31,14 +45,6 @@ struct PassScorer {
     for (const MillingPoint& point : pass.points)
       tables.push_back(
           CandidateTable::OfStep(PointScorer(problem, point, pass.rotation_reference), kRotationStep));
-    std::vector<std::pair<BranchScore, size_t>> bounds;
-    std::vector<BranchLadder> ladders;
-    ladders.reserve(8);
-    for (size_t branch = 0; branch < 8; ++branch) {
-      ladders.emplace_back(problem.bounds, tables, branch);
-      bounds.emplace_back(ladders.back().Bound(), branch);
-    }
-    std::ranges::stable_sort(bounds, [](const auto& a, const auto& b) { return IsBetter(a.first, b.first); });
     const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
     std::vector<PointMemory> memories(tables.size());
     const BranchLadder::Looks looks{[&](size_t t, const Joints& q, const FreedomValues& freedoms) {
@@ -48,11 +54,20 @@ struct PassScorer {
                                       const bool end = t == 0 || (!pass.closed && t + 1 == tables.size());
                                       return !end || CanLeave(checker, carrier, q, leave);
                                     }};
+    std::vector<OpenBranch> open;
+    for (const BranchScore& promise : PromisesOf(tables))
+      open.push_back({promise, open.size(), std::nullopt});
     std::optional<BranchScore> best;
-    for (const auto& [bound, branch] : bounds) {
-      if (best && !IsBetter(bound, *best)) break;
-      BranchScore score = ladders[branch].Score(looks, best);
+    while (!open.empty()) {
+      const auto next = std::ranges::min_element(open, OpenBranch::GoesBefore);
+      if (best && !IsBetter(next->bound, *best)) break;
+      if (!next->ladder) {
+        next->bound = next->ladder.emplace(problem.bounds, tables, next->branch).Bound();
+        continue;
+      }
+      BranchScore score = next->ladder->Score(looks, best);
       if (!best || IsBetter(score, *best)) best = std::move(score);
+      open.erase(next);
     }
     return best->points;
   }

@@ -71,9 +71,12 @@ TEST(BranchLadder, IsTheBestOfAllWaysThatNothingBars) {
       tables.push_back(CandidateTable::OfStep(
           PointScorer(problem, PanelPoint(-320 + 80 * t, 70 * (t % 3)), Eigen::Vector3d::UnitZ()),
           DegToRad(5)));
+    const std::array<BranchScore, 8> promises = PromisesOf(tables);
     for (const int in : {0, 50, 80, 93})
       for (int branch = 0; branch < 8; ++branch) {
         BranchLadder ladder(problem.bounds, tables, static_cast<size_t>(branch));
+        EXPECT_FALSE(IsBetter(ladder.Bound(), promises[static_cast<size_t>(branch)])) << branch;
+        EXPECT_EQ(promises[static_cast<size_t>(branch)].free > 0, ladder.Bound().free > 0) << branch;
         const BranchScore found = ladder.Score(
             {[&](size_t t, const Joints&, const FreedomValues& at) { return IsFree(t, at[0], in); },
              [](size_t, const Joints&) { return true; }},

@@ -112,13 +112,16 @@ std::vector<std::vector<double>> SettleFeeds(const JobInputs& inputs, const AirC
 }
 
 void WarnOfTurned(PlannedJob& job) {
+  constexpr size_t kNamed = 20;
   std::vector<size_t> turned;
   for (size_t i = 0; i < job.prepared.turned.size(); ++i)
     if (job.prepared.turned[i] != 0) turned.push_back(i);
   if (turned.empty()) return;
+  const char* more = turned.size() > kNamed ? ", ..." : "";
+  turned.resize(std::min(turned.size(), kNamed));
   job.prepared.warnings.push_back(fmt::format(
-      "toolpath: passes {} run from their other end, where {} (direction: zigzag leaves it open)",
-      fmt::join(turned, ", "),
+      "toolpath: passes {}{} run from their other end, where {} (direction: zigzag leaves it open)",
+      fmt::join(turned, ", "), more,
       job.prepared.problem.objective->JudgesFace() ? "the face errs less" : "the force bends the arm less"));
 }
 
