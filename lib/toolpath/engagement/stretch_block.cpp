@@ -41,7 +41,7 @@ uint32_t TakersIn(const StretchBlock& block, const Eigen::Vector3d& place, doubl
     const double square = dx * dx + dy * dy + dz * dz, up = dx * ax[l] + dy * ay[l] + dz * az[l];
     const double across = square - up * up, beside = std::sqrt(across > 0 ? across : 0.0);
     const bool near = beside - off[l] - std::sqrt(square) * lean[l] < radius;
-    out[l] = near & (lowest[l] <= height) ? 1.0 : 0.0;
+    out[l] = (near & (lowest[l] <= height)) ? 1.0 : 0.0;
   });
   uint32_t bits = 0;
   for (int l = 0; l < kLanes; ++l) bits |= static_cast<uint32_t>(takes.v[l] != 0) << l;
