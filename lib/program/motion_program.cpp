@@ -8,6 +8,7 @@
 #include "machine/robot/angles.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "machine/robot/position_between.hpp"
+#include "planning/result/skipped.hpp"
 #include "planning/result/station.hpp"
 
 namespace millpose {
@@ -32,10 +33,9 @@ class ProgramBuilder {
     if (!plan.external_axes.empty()) program_.X_WB = plan.X_WB;
     program_.X_BP = plan.X_WB.inverse() * plan.X_WP;
     program_.X_FT = plan.X_FT;
-    size_t points = 0, moves = 0;
-    for (const PassResult& pass : plan.passes) points += pass.points.size();
+    size_t moves = 0;
     for (const LinkMove& gap : plan.gaps) moves += gap.joints.size() + kOfMove;
-    program_.motions.reserve(points + moves);
+    program_.motions.reserve(CountPoints(plan) + moves);
   }
 
   /// From home by a call's way to where it begins, the call, and back.

@@ -29,6 +29,18 @@ double LargestAlong(const Eigen::Vector3d& g, const Eigen::Vector3d& force, cons
   return (1 + bounds.length) * (along >= whole * off.cos ? whole : along * off.cos + beside * off.sin);
 }
 
+void AppendDeflection(const DeflectedPoint& point, std::string& csv) {
+  constexpr double kMicro = 1000;
+  const PredictedDeflection& d = point.deflection;
+  const Eigen::Vector3d moved = kMicro * point.moved;
+  const Engagement& cut = point.engagement;
+  const auto end = std::back_inserter(csv);
+  fmt::format_to(end, "{},{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}", point.number, point.pass,
+                 Name(cut.side), cut.width, cut.depth, point.force.x(), point.force.y(), point.force.z());
+  fmt::format_to(end, ",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", moved.x(), moved.y(),
+                 moved.z(), kMicro * d.normal, kMicro * d.feed, kMicro * d.across, kMicro * d.length);
+}
+
 }  // namespace
 
 DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& heaviest,
@@ -65,22 +77,6 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
   report.face = OverFace(face);
   return report;
 }
-
-namespace {
-
-void AppendDeflection(const DeflectedPoint& point, std::string& csv) {
-  constexpr double kMicro = 1000;
-  const PredictedDeflection& d = point.deflection;
-  const Eigen::Vector3d moved = kMicro * point.moved;
-  const Engagement& cut = point.engagement;
-  const auto end = std::back_inserter(csv);
-  fmt::format_to(end, "{},{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}", point.number, point.pass,
-                 Name(cut.side), cut.width, cut.depth, point.force.x(), point.force.y(), point.force.z());
-  fmt::format_to(end, ",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", moved.x(), moved.y(),
-                 moved.z(), kMicro * d.normal, kMicro * d.feed, kMicro * d.across, kMicro * d.length);
-}
-
-}  // namespace
 
 void WriteDeflectionCsv(const DeflectionReport& report, int threads, const ByteSink& sink) {
   constexpr size_t kTogether = 1024;  // rows

@@ -6,6 +6,7 @@
 
 #include "base/units.hpp"
 #include "planning/result/point_clearance.hpp"
+#include "planning/result/skipped.hpp"
 #include "report/compensation.hpp"
 #include "report/leans.hpp"
 
@@ -158,8 +159,7 @@ void AddExternal(const PlanResult& plan, Collector& c) {
 /// Predicted deflections of the planned cut points, µm.
 void AddDeflection(const PlanResult& plan, const DeflectionReport& report,
                    std::vector<ReportColumn>& columns) {
-  size_t total = 0;
-  for (const PassResult& pass : plan.passes) total += pass.points.size();
+  const size_t total = CountPoints(plan);
   const auto add_column = [&](std::string key, std::string symbol, std::string label, std::string unit,
                               Worse worse, const auto& value) {
     ReportColumn column{.key = std::move(key),
@@ -310,8 +310,7 @@ std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const Deflection
 
 std::vector<ReportRow> RowsToShow(const PlanResult& plan, const std::vector<ReportColumn>& columns,
                                   size_t limit) {
-  size_t total = 0;
-  for (const PassResult& pass : plan.passes) total += pass.points.size();
+  const size_t total = CountPoints(plan);
   const size_t stride = (total + limit - 1) / std::max<size_t>(limit, 1);
   std::vector<char> keep(total, 0);
   if (stride > 1) {

@@ -40,6 +40,12 @@ void LeaveOut(PassResult& pass, int piece, Infeasibility reason, const std::stri
   for (int& lift : pass.lifts) lift -= lift > piece;
 }
 
+size_t CountPoints(const PlanResult& plan) {
+  size_t count = 0;
+  for (const PassResult& pass : plan.passes) count += pass.points.size();
+  return count;
+}
+
 size_t CountSkipped(const PassResult& pass) {
   return static_cast<size_t>(std::ranges::count_if(
       pass.points, [](const PlannedPoint& point) { return point.skip != Infeasibility::kNone; }));

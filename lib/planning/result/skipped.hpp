@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Points of a plan that are not cut.
+// Points of a plan, and those that are not cut.
 #pragma once
 
 #include <map>
@@ -12,6 +12,8 @@ namespace millpose {
 /// words, and the pieces after it move up by one number.
 void LeaveOut(PassResult& pass, int piece, Infeasibility reason, const std::string& detail);
 
+/// All of its points, skipped ones too.
+size_t CountPoints(const PlanResult& plan);
 size_t CountSkipped(const PassResult& pass);
 
 /// How many points are skipped, by ToString(Obstacle).

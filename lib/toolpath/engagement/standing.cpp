@@ -107,8 +107,8 @@ SweptBar SweptPath::BarOf(int first, int count) const {
 }
 
 bool SweptPath::IsShort(const Stretch& stretch) const {
-  constexpr int kMost = 32;  // motions, each of which may be asked
-  constexpr double kStraight = 0.02;
+  constexpr int kMost = 32;           // motions, each of which may be asked
+  constexpr double kStraight = 0.02;  // of the radius, that tips lie beside the line at most
   return stretch.half == 0 || (stretch.count <= kMost && stretch.box.diagonal().norm() < 2 * cutter_.radius &&
                                stretch.bar.off < kStraight * cutter_.radius);
 }

@@ -111,6 +111,18 @@ TEST(EdgeCut, ABallIsPushedUpAndSlicesConverge) {
   EXPECT_EQ(MeanForce(cylinder, flat, Upright(), EngagedArcs(flat, Upright(), shallow)).z(), 0);
 }
 
+TEST(EdgeCut, TheFlatCutsWhereTheFeedGoesDownByMoreThanAThousandth) {
+  const auto slices = SliceEdge(CutterShape{10, 0, 40}, 1, 0.25);
+  const auto flat_cuts = [&](double down) {
+    CutterStance stance = Upright();
+    stance.feed = Vector3d(1, 0, -down).normalized();
+    const auto arcs = EngagedArcs(slices, stance, [](const Vector3d&) { return true; });
+    return std::ranges::any_of(arcs, [&](const EngagedArc& arc) { return slices[arc.slice].sin_lead == 0; });
+  };
+  for (const double down : {-0.1, 0.0, 1e-16, 0.9e-3}) EXPECT_FALSE(flat_cuts(down)) << down;
+  for (const double down : {1.1e-3, 0.02}) EXPECT_TRUE(flat_cuts(down)) << down;
+}
+
 TEST(EdgeCut, MirroredMaterialMirrorsTheArcs) {
   const CutterShape cutter{10, 3, 40};
   const auto slices = SliceEdge(cutter, 2, 0.5);

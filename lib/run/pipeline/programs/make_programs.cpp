@@ -77,11 +77,9 @@ namespace {
 std::string WhatIsLeftOut(const PlanResult& plan) {
   const std::map<std::string, size_t> skipped = SkippedByReason(plan);
   if (skipped.empty()) return {};
-  size_t points = 0;
-  for (const PassResult& pass : plan.passes) points += pass.points.size();
   std::vector<std::string> reasons;
   for (const auto& [reason, count] : skipped) reasons.push_back(fmt::format("{} {}", count, reason));
-  return fmt::format("of {} points are not cut: {}", points, fmt::join(reasons, ", "));
+  return fmt::format("of {} points are not cut: {}", CountPoints(plan), fmt::join(reasons, ", "));
 }
 
 }  // namespace

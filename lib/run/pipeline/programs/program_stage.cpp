@@ -3,6 +3,7 @@
 
 #include "base/parallel.hpp"
 #include "job/narrow_inputs.hpp"
+#include "planning/result/skipped.hpp"
 #include "run/pipeline/programs/base_window.hpp"
 #include "run/pipeline/stages/plan_job.hpp"
 #include "store/cached_stage.hpp"
@@ -35,9 +36,7 @@ class ProgramStage {
     std::vector<ControllerPrograms> made(controllers.size());
     // What a program is checked by takes as much memory as the plan.
     constexpr size_t kMany = 200000;  // points
-    size_t points = 0;
-    for (const PassResult& pass : job_.plan.passes) points += pass.points.size();
-    const int at_once = points > kMany ? 1 : execution_.Threads();
+    const int at_once = CountPoints(job_.plan) > kMany ? 1 : execution_.Threads();
     ParallelFor(made.size(), at_once, execution_.stop, [&](size_t i) { made[i] = Of(controllers[i]); });
     for (size_t i = 0; i < made.size(); ++i) {
       if (made[i].whole.Confirmed()) job_.starts.programs[controllers[i]] = std::move(made[i].starts);

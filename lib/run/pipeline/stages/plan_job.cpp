@@ -362,8 +362,7 @@ TriedJob TryJob(const JobInputs& given, size_t most_points, const CheckpointStor
     plan.gaps = PlanAllLinkMoves(prepared.stations, plan.passes, options, checkpoints, execution).gaps;
     execution.progress.End(fmt::format("{} gaps", plan.gaps.size()));
     tried.passes = plan.passes.size();
-    tried.points = 0;
-    for (const PassResult& pass : plan.passes) tried.points += pass.points.size();
+    tried.points = CountPoints(plan);
     tried.problem = ProblemOf(inputs, prepared, plan);
     if (tried.problem.empty() || !prepared.made.findings.empty()) break;
   }
