@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // VTK XML PolyData (the VTK file format specification, "vtkPolyData serial"): what ParaView opens.
+#include <bit>
+#include <span>
+
+#include "base/gzip.hpp"
 #include "base/units.hpp"
 #include "planning/result/station.hpp"
 #include "report/leans.hpp"
+#include "report/packed.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -32,6 +37,44 @@ PlanResult OnPart(PlanResult plan) {
   return plan;
 }
 
+static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
+
+/// Numbers as the text of a compressed binary array: how many blocks, their size, that of a shorter last one,
+/// the packed size of each, then all blocks packed; both in base64.
+template <class T>
+class PackedArray {
+ public:
+  void Add(T value) {
+    block_.push_back(value);
+    if (block_.size() == kBlock) EndBlock();
+  }
+  std::string Text() {
+    header_[2] = sizeof(T) * block_.size();
+    if (!block_.empty()) EndBlock();
+    return Base64(Bytes(header_.data(), header_.size())) + Base64(Bytes(packed_.data(), packed_.size()));
+  }
+
+ private:
+  static constexpr size_t kBlock = 8192;  // values
+
+  template <class V>
+  static std::span<const uint8_t> Bytes(const V* values, size_t count) {
+    return {reinterpret_cast<const uint8_t*>(values), count * sizeof(V)};
+  }
+  void EndBlock() {
+    const std::string packed =
+        ZlibBytes({reinterpret_cast<const char*>(block_.data()), sizeof(T) * block_.size()});
+    packed_ += packed;
+    ++header_[0];
+    header_.push_back(packed.size());
+    block_.clear();
+  }
+
+  std::vector<uint64_t> header_{0, sizeof(T) * kBlock, 0};
+  std::vector<T> block_;
+  std::string packed_;
+};
+
 /// Collects the parts of the file, each of which is written when its turn comes.
 class ArrayWriter {
  public:
@@ -39,8 +82,8 @@ class ArrayWriter {
 
   template <class Get>
   void Numbers(const std::string& name, Get get) {
-    Array("Float64", name, 1, points_.size(),
-          [this, get](size_t i, std::string& text) { Add(get(*points_[i]), text); });
+    Array<double>("Float64", name, 1, points_.size(),
+                  [this, get](size_t i, auto& array) { array.Add(get(*points_[i])); });
   }
   template <class Get>
   void PoseNumbers(const std::string& name, Get get) {
@@ -50,15 +93,14 @@ class ArrayWriter {
   }
   template <class Get>
   void Vectors(const std::string& name, Get get) {
-    Array("Float64", name, 3, points_.size(), [this, get](size_t i, std::string& text) {
-      for (const double value : Eigen::Vector3d(get(*points_[i]))) Add(value, text);
+    Array<double>("Float64", name, 3, points_.size(), [this, get](size_t i, auto& array) {
+      for (const double value : Eigen::Vector3d(get(*points_[i]))) array.Add(value);
     });
   }
   /// `values` outlives this.
   void Indices(const std::string& name, const std::vector<size_t>& values) {
-    Array("Int64", name, 1, values.size(), [&values](size_t i, std::string& text) {
-      fmt::format_to(std::back_inserter(text), "{} ", values[i]);
-    });
+    Array<int64_t>("Int64", name, 1, values.size(),
+                   [&values](size_t i, auto& array) { array.Add(static_cast<int64_t>(values[i])); });
   }
   void Line(std::string line) {
     parts_.push_back([line = std::move(line) + '\n'] { return line; });
@@ -69,22 +111,18 @@ class ArrayWriter {
   }
 
  private:
-  static constexpr size_t kTogether = 4096;  // values, or vectors, of a part: few, as parts wait together
-
-  /// `add(i, text)` appends value i of `count`.
-  template <class Append>
-  void Array(const char* type, const std::string& name, int components, size_t count, const Append& add) {
-    Line(fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">", type,
+  /// `add(i, array)` adds value i of `count`.
+  template <class T, class AddTo>
+  void Array(const char* type, const std::string& name, int components, size_t count, const AddTo& add) {
+    Line(fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">", type,
                      name, components));
-    for (size_t first = 0; first < count; first += kTogether)
-      parts_.push_back([add, first, last = std::min(count, first + kTogether)] {
-        std::string text;
-        for (size_t i = first; i < last; ++i) add(i, text);
-        return text;
-      });
+    parts_.push_back([add, count] {
+      PackedArray<T> array;
+      for (size_t i = 0; i < count; ++i) add(i, array);
+      return array.Text();
+    });
     Line("\n</DataArray>");
   }
-  static void Add(double value, std::string& text) { fmt::format_to(std::back_inserter(text), "{} ", value); }
 
   const std::vector<const PlannedPoint*>& points_;
   std::vector<std::function<std::string()>> parts_;
@@ -181,7 +219,9 @@ void WritePathVtp(const PlanResult& planned, int threads, const ByteSink& sink) 
   const PointIndices indices(plan);
   ArrayWriter out(points);
   out.Line("<?xml version=\"1.0\"?>");
-  out.Line("<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">");
+  out.Line(
+      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" "
+      "compressor=\"vtkZLibDataCompressor\">");
   out.Line("<PolyData>");
   out.Line(
       fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" "

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "planning/result/pass_value.hpp"
 #include "store/value_reader.hpp"
 
 namespace millpose {
@@ -36,6 +37,38 @@ std::optional<Plan> ReadPlan(const CheckpointStore& checkpoints, const std::stri
   if (!read(false)) return std::nullopt;
   kept.asked.obstacles = obstacles;  // so that what has moved is looked at once
   WritePlan(checkpoints, key, kept);
+  return std::move(kept.plan);
+}
+
+/// A planned pass without the milling points that it was planned from, which whoever reads it has.
+struct PassBesideLaid {
+  PassResult plan;
+  std::vector<int>
+      laid;  ///< of every point: which of these it is, bit for bit; −1: its own stands in the plan
+};
+
+PassBesideLaid WithoutLaid(const PassResult& plan, const Pass& pass) {
+  PassBesideLaid kept{plan, std::vector<int>(plan.points.size(), -1)};
+  const std::vector<size_t> places = PlacesOf(plan, pass);
+  const auto first = static_cast<size_t>(std::max(0, plan.opened_at));
+  const auto bytes = [](const MillingPoint& point) { return ValueBytes().Add(point).bytes(); };
+  for (size_t i = 0; i < places.size(); ++i) {
+    const size_t laid = (first + i) % pass.points.size();
+    MillingPoint& own = kept.plan.points[places[i]].point;
+    if (bytes(own) != bytes(pass.points[laid])) continue;
+    kept.laid[places[i]] = static_cast<int>(laid);
+    own = {};
+  }
+  return kept;
+}
+
+std::optional<PassResult> WithLaid(PassBesideLaid kept, const Pass& pass) {
+  if (kept.laid.size() != kept.plan.points.size()) return {};
+  for (size_t i = 0; i < kept.laid.size(); ++i) {
+    if (kept.laid[i] < 0) continue;
+    if (static_cast<size_t>(kept.laid[i]) >= pass.points.size()) return {};
+    kept.plan.points[i].point = pass.points[static_cast<size_t>(kept.laid[i])];
+  }
   return std::move(kept.plan);
 }
 
@@ -78,14 +111,20 @@ bool StillHolds(const QueryRecord& asked, const World& world, const Obstacles& n
 }
 
 std::optional<PassResult> ReadPass(const CheckpointStore& checkpoints, const std::string& key,
-                                   const World& world, const Obstacles& obstacles,
+                                   const World& world, const Obstacles& obstacles, const Pass& pass,
                                    const std::function<bool(const PassResult&)>& fits) {
-  return ReadPlan(checkpoints, key, world, obstacles, fits);
+  std::optional<PassResult> plan;
+  const auto found =
+      ReadPlan<PassBesideLaid>(checkpoints, key, world, obstacles, [&](const PassBesideLaid& kept) {
+        plan = WithLaid(kept, pass);
+        return plan && fits(*plan);
+      });
+  return found ? plan : std::nullopt;
 }
 
 void WritePass(const CheckpointStore& checkpoints, const std::string& key, const Obstacles& obstacles,
-               Queries looks, const PassResult& plan) {
-  WritePlan<PassResult>(checkpoints, key, {{obstacles, std::move(looks)}, plan});
+               Queries looks, const Pass& pass, const PassResult& plan) {
+  WritePlan<PassBesideLaid>(checkpoints, key, {{obstacles, std::move(looks)}, WithoutLaid(plan, pass)});
 }
 
 std::optional<LinkMove> ReadLinkMove(const CheckpointStore& checkpoints, const std::string& key,

@@ -34,16 +34,16 @@ struct QueryRecord {
 /// answer told of it and, as it is now, none would.
 bool StillHolds(const QueryRecord& asked, const World& world, const Obstacles& now);
 
-/// The pass that was kept under `key`, if there is one that `fits` and planning it anew in `world`, whose
-/// obstacles are `obstacles`, would give the same (StillHolds). Where one of them has changed, the checkpoint
-/// is written anew.
+/// The plan of `pass` that was kept under `key`, if there is one that `fits` and planning it anew in `world`,
+/// whose obstacles are `obstacles`, would give the same (StillHolds). Where one of them has changed, the
+/// checkpoint is written anew. The key names the pass, whose milling points are not kept a second time.
 std::optional<PassResult> ReadPass(const CheckpointStore& checkpoints, const std::string& key,
-                                   const World& world, const Obstacles& obstacles,
+                                   const World& world, const Obstacles& obstacles, const Pass& pass,
                                    const std::function<bool(const PassResult&)>& fits);
 
-/// Keeps a pass that was planned in a world with these obstacles, and what was asked of it.
+/// Keeps the plan of a pass that was planned in a world with these obstacles, and what was asked of it.
 void WritePass(const CheckpointStore& checkpoints, const std::string& key, const Obstacles& obstacles,
-               Queries looks, const PassResult& plan);
+               Queries looks, const Pass& pass, const PassResult& plan);
 
 /// The same of gaps. Where the cell has external axes their keys hold all of it, and nothing is told of
 /// looks.

@@ -18,7 +18,7 @@
 namespace millpose {
 
 /// The name of the plan in its output folder, from which programs can be verified again.
-inline constexpr const char* kPlanFile = "plan.cbor";
+inline constexpr const char* kPlanFile = "plan.cbor.gz";
 
 /// In the output folder of `millpose place`: the output folders of the places that it planned.
 inline constexpr const char* kPlansFolder = "plans";

@@ -10,6 +10,7 @@
 #include "audit/distance.hpp"
 #include "audit/interference.hpp"
 #include "audit/tessellate.hpp"
+#include "base/gzip.hpp"
 #include "tests/audit/audit_fixture.hpp"
 #include "tests/audit/good_folder.hpp"
 #include "tests/audit/kinematics.hpp"
@@ -285,7 +286,7 @@ TEST_F(AuditTest, AMissingEndOfAProgramIsADeviation) {
   EXPECT_TRUE(Broken(texts).contains("program_deviation_mm_krl"));
 }
 
-/// plan.cbor with one gap, from home by some joint angles to home.
+/// plan.cbor.gz with one gap, from home by some joint angles to home.
 std::string PlanWithLinkMove(const std::vector<Angles>& joints) {
   nlohmann::json gap = {
       {"from_pass", -1}, {"from_piece", -1}, {"to_pass", -1}, {"to_piece", -1}, {"planned", true}};
@@ -296,7 +297,7 @@ std::string PlanWithLinkMove(const std::vector<Angles>& joints) {
   }
   std::string bytes;
   nlohmann::json::to_cbor(nlohmann::json{{"gaps", {gap}}, {"passes", nlohmann::json::array()}}, bytes);
-  return bytes;
+  return Gzip(bytes);
 }
 
 TEST_F(AuditTest, GapsAreJudgedFromThePlanWhereNoProgramIsInJointSpace) {
@@ -307,7 +308,7 @@ TEST_F(AuditTest, GapsAreJudgedFromThePlanWhereNoProgramIsInJointSpace) {
   for (const bool in_column : {false, true}) {
     Texts texts = MakeFolder({});
     texts.erase("out/programs/linuxcnc/by_hand.ngc");
-    texts["out/plan.cbor"] =
+    texts["out/plan.cbor.gz"] =
         PlanWithLinkMove(in_column ? std::vector{home, folded, home} : std::vector{home, above, home});
     EXPECT_EQ(Broken(texts), in_column ? Names{"interferences"} : Names{}) << in_column;
   }

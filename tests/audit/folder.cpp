@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/file.hpp"
+#include "base/gzip.hpp"
 #include "tests/audit/yaml_values.hpp"
 
 namespace millpose::audit {
@@ -81,7 +82,8 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   }
   if (const std::string cell = optional("cell.yaml"); !cell.empty()) folder.gears = ReadGears(cell);
   folder.all_air = std::ranges::all_of(folder.deflected, [](const auto& entry) { return entry.second.air; });
-  if (const std::string cbor = optional("plan.cbor"); !cbor.empty()) {
+  if (const std::string file = optional("plan.cbor.gz"); !file.empty()) {
+    const std::string cbor = Gunzip(file).value();
     folder.gaps = ReadLinkMoves(cbor);
     MarkClosed(cbor, folder.rows);
   }

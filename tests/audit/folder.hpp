@@ -39,10 +39,10 @@ struct Row {
   /// not known; the arm's six, then external axes. And what lost motion leaves in all.
   std::vector<std::optional<Real>> marks = {};
   std::optional<Real> lost_motion = {};
-  bool closed = false;  ///< of a piece that returns to its first point, as plan.cbor says
+  bool closed = false;  ///< of a piece that returns to its first point, as plan.cbor.gz says
 };
 
-/// A planned way between two pieces, from plan.cbor; pass −1 is home.
+/// A planned way between two pieces, from plan.cbor.gz; pass −1 is home.
 struct PlannedLinkMove {
   int from_pass, from_piece, to_pass, to_piece;
   std::vector<Angles> joints;  ///< from the retracted tool to where the approach begins

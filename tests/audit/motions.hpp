@@ -22,7 +22,7 @@ std::vector<JointMotion> CutMotions(const std::vector<Cut>& cuts);
 /// its cut.
 std::vector<JointMotion> LinkMotions(const std::vector<Target>& targets, const std::vector<Cut>& cuts);
 
-/// The same from plan.cbor, for a folder without a program that is in joint space throughout.
+/// The same from plan.cbor.gz, for a folder without a program that is in joint space throughout.
 std::vector<JointMotion> PlannedLinkMotions(const Folder& folder, const std::vector<Cut>& cuts);
 
 }  // namespace millpose::audit

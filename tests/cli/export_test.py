@@ -298,8 +298,8 @@ class Pad(Exported):
 
     def test_broken_plans_are_refused(self):
         for name, change, words in (
-                ("plan.cbor", lambda path: path.write_bytes(path.read_bytes()[:-7]), "was changed or is of another plan"),
-                ("plan.cbor", Path.unlink, "plan.cbor"),
+                ("plan.cbor.gz", lambda path: path.write_bytes(path.read_bytes()[:-7]), "was changed or is of another plan"),
+                ("plan.cbor.gz", Path.unlink, "plan.cbor.gz"),
                 ("job.yaml", lambda path: path.write_text(path.read_text() + "# more\n"), "was changed or is of another plan"),
                 ("cell.yaml", Path.unlink, "cell.yaml"),
                 ("manifest.json", Path.unlink, "manifest.json"),
@@ -319,7 +319,7 @@ class Pad(Exported):
         link.symlink_to(foreign)
         before = tree(self.out)
         for ros, words in ((foreign, "was not written by millpose export"), (file, "is not a folder"), (link, "was not written by"),
-                           (self.out, "holds plan.cbor")):
+                           (self.out, "holds plan.cbor.gz")):
             result = self.export(ros=ros)
             self.assertEqual(result.returncode, 2, ros)
             self.assertIn(words, result.stderr)

@@ -22,7 +22,7 @@ NOBODY = 65534
 
 # Every name in an output folder that millpose writes, reads or removes, of plans, places and batches.
 NAMES = (".millpose", ".lock", ".journal", ".staging", ".staging/manifest.json", ".replaced", ".owner.host.1.1", ".job.yaml.host.1.1.0.tmp",
-         "manifest.json", "run.json", "plan.cbor", "job.yaml", "summary.json", "points.csv", "deflection.csv", "report.html", "path.vtp",
+         "manifest.json", "run.json", "plan.cbor.gz", "job.yaml", "summary.json", "points.csv", "deflection.csv", "report.html", "path.vtp",
          "checkpoints", "checkpoints/programs.stage", "programs", "programs/krl", "programs/krl/support_pad.src", "operations",
          "operations/01_a", "plans", "plans/00_job", "plans/07", "placement.json", "placement.html", "places.csv", "map.csv", "map.vtk",
          "batch.json", "batch.csv", "index.html", "junit.xml", "slurm", "slurm/jobs", "slurm/jobs/submitted", "support_pad")
@@ -206,7 +206,7 @@ class Hostile(unittest.TestCase):
             path.chmod(0o777)
         self.addCleanup(self.top.chmod, 0o700)
         type(self).before = snapshot(self.outside)
-        names = (".", "checkpoints", "programs", ".lock", "manifest.json", "plan.cbor", ".millpose", "run.json", "programs/krl")
+        names = (".", "checkpoints", "programs", ".lock", "manifest.json", "plan.cbor.gz", ".millpose", "run.json", "programs/krl")
         for (name, mode), command in self.matrix([(name, mode) for name in names for mode in (0, 0o444, 0o555, 0o1777)], 11):
             with self.subTest(name=name, mode=oct(mode), command=command):
                 def plant(out):

@@ -249,7 +249,7 @@ class Operations(InFolder):
         self.assertIn("up to date", run(*batch).stdout)
         names = {file["path"] for file in json.loads((out / "manifest.json").read_text())["files"]}
         self.assertLessEqual({f"operations/{folder}/{file}" for folder in ("01_face_pads", "02_drill_holes")
-                              for file in ("manifest.json", "plan.cbor", "job.yaml")}, names)
+                              for file in ("manifest.json", "plan.cbor.gz", "job.yaml")}, names)
 
         def edit(path):
             path.write_text(path.read_text() + " ")

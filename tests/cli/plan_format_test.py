@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """docs/plan-format.md against real plans, by a reader that knows nothing but that page. Usage: plan_format_test.py MILLPOSE TOP"""
 import csv
+import gzip
 import math
 import re
 import struct
@@ -95,7 +96,7 @@ class Format(InFolder):
     def planned(self, *changes, job=JOB):
         done = run("plan", job, "-o", self.folder / "out", "-q", *[word for change in (*FEW, *changes) for word in ("--set", change)])
         self.assertLess(done.returncode, 2, done.stderr)
-        return whole((self.folder / "out/plan.cbor").read_bytes())
+        return whole(gzip.decompress((self.folder / "out/plan.cbor.gz").read_bytes()))
 
     def test_tables_are_what_plans_hold(self):
         cell = (TOP / "cells/kr500_r2830.yaml").read_text(encoding="utf-8")
@@ -106,7 +107,7 @@ class Format(InFolder):
         maps, seen = tables(), set()
         for document in (self.planned("compensation={deflection: normal}", f"cell={self.folder}/cell.yaml"),
                          self.planned("pose={formulation: paper, objective: {name: chen2021}}"),
-                         whole((self.folder / "rail/plan.cbor").read_bytes())):
+                         whole(gzip.decompress((self.folder / "rail/plan.cbor.gz").read_bytes()))):
             self.assertEqual(wrong(document, "Plan", maps, "plan", seen)[:5], [])
         self.assertEqual(seen, set(maps))
 

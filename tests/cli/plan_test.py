@@ -10,8 +10,8 @@ import signal
 import sys
 import time
 import unittest
-import xml.etree.ElementTree as xml
 
+import vtp
 from plan_fixture import CUT_DOWN, POINT_COLUMNS, Bench, contents, differences, kill_after, started
 
 BENCH = None
@@ -46,7 +46,7 @@ class Plan(unittest.TestCase):
         names = {name for name in self.contents if not name.startswith(("checkpoints/", "."))}
         self.assertEqual(
             {name for name in names if name not in ("report.html", "path.vtp", "starts.cbor") and "/starts/" not in name},
-            {"cell.yaml", "job.yaml", "manifest.json", "plan.cbor", "points.csv", "deflection.csv", "summary.json", "programs/krl/support_pad.src",
+            {"cell.yaml", "job.yaml", "manifest.json", "plan.cbor.gz", "points.csv", "deflection.csv", "summary.json", "programs/krl/support_pad.src",
              "programs/krl/support_pad.dat", "programs/sinumerik/support_pad.mpf", "programs/linuxcnc/support_pad.ngc"})
         starts = {name.split("/")[1] for name in names if "/starts/" in name}
         self.assertEqual(starts, {"krl", "sinumerik", "linuxcnc"} if self.summary["pieces"] > 1 else set())
@@ -90,7 +90,7 @@ class Plan(unittest.TestCase):
         self.assertEqual(audit, {"limit_violations": 0, "interferences": 0, "clearance_violations": 0, "pairs": []})
         self.assertLessEqual({name for name in differences(self.contents, found)
                               if not name.startswith("checkpoints/nearest-pairs-")},  # kept by the poses
-                             {"summary.json", "report.html", "manifest.json", "points.csv", "plan.cbor",
+                             {"summary.json", "report.html", "manifest.json", "points.csv", "plan.cbor.gz",
                               "checkpoints/choices.stage"})  # kept by the plan
         plain, audited = (list(csv.DictReader(text.decode("ascii").splitlines()))
                           for text in (self.contents["points.csv"], found["points.csv"]))
@@ -115,20 +115,18 @@ class Plan(unittest.TestCase):
         self.assertNotIn(b"\r", self.contents["points.csv"])
 
     def test_path_vtp_says_what_points_csv_says(self):
-        piece = xml.fromstring(self.contents["path.vtp"]).find("PolyData/Piece")
-        arrays = {array.get("Name"): array.text.split() for array in piece.find("PointData")}
+        piece, parts = vtp.arrays(self.contents["path.vtp"])
+        arrays, lines = parts["PointData"], parts["Lines"]
         rows = list(csv.DictReader(self.contents["points.csv"].decode("ascii").splitlines()))
-        self.assertEqual(int(piece.get("NumberOfPoints")), len(rows))
+        self.assertEqual(int(piece["NumberOfPoints"]), len(rows))
         names = [name for name in POINT_COLUMNS if name in arrays]
         self.assertLessEqual({"objective", "lambda_t1_mm_N", "mu", "dexterity", "clearance_mm", "a6_deg", "rotation_deg"},
                              set(names))
         for name in names:
-            self.assertEqual([float(row[name]) for row in rows], [float(value) for value in arrays[name]], name)
-        positions = [float(value) for value in piece.find("Points/DataArray").text.split()]
-        self.assertEqual(positions, [float(row[name]) for row in rows for name in ("x_mm", "y_mm", "z_mm")])
-        lines = {array.get("Name"): [int(value) for value in array.text.split()] for array in piece.find("Lines")}
+            self.assertEqual([float(row[name]) for row in rows], arrays[name], name)
+        self.assertEqual(parts["Points"]["position_mm"], [float(row[name]) for row in rows for name in ("x_mm", "y_mm", "z_mm")])
         self.assertEqual(lines["connectivity"], list(range(len(rows))))
-        self.assertEqual(len(lines["offsets"]), int(piece.get("NumberOfLines")))
+        self.assertEqual(len(lines["offsets"]), int(piece["NumberOfLines"]))
 
     def test_tells_each_stage_on_stderr_and_the_figures_on_stdout(self):
         for stage in ("read", "surface", "toolpath", "passes", "gaps", "programs"):

@@ -92,7 +92,7 @@ class GearTables(unittest.TestCase):
         _, _, folder, result = self.planned(*ARMS[0], "wrong", loop.DEVIATIONS + GEARS, False, "0.01")
         self.assertEqual(result.returncode, 2, result.stdout)
         self.assertIn("gears and couplings of cell kr500_r2830 move the tip by up to", result.stderr)
-        self.assertFalse((folder / "plan.cbor").exists())
+        self.assertFalse((folder / "plan.cbor.gz").exists())
 
 
 if __name__ == "__main__":

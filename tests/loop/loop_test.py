@@ -211,7 +211,7 @@ class OwnArm(unittest.TestCase):
             result, folder = BENCH.plan(job, "own_wrong")
             self.assertEqual(result.returncode, 2, result.stdout)
             self.assertIn(expected, result.stderr)
-            self.assertFalse((folder / "plan.cbor").exists())
+            self.assertFalse((folder / "plan.cbor.gz").exists())
         job = self.job("own_odd", "{deviations: true}")
         own = next((BENCH.top / "cells").glob("own_*.yaml"))
         text = own.read_text(encoding="utf-8")
@@ -366,7 +366,7 @@ class Behaviour(unittest.TestCase):
             result, folder = BENCH.plan(self.changed("wrong", compensation, change), "wrong")
             self.assertEqual(result.returncode, 2, result.stdout)
             self.assertIn(expected, result.stderr)
-            self.assertFalse((folder / "plan.cbor").exists())
+            self.assertFalse((folder / "plan.cbor.gz").exists())
 
     def measured(self, folder, name, error):
         """A file of measured errors at the cut points of a compensated plan; `error(row)` in µm."""

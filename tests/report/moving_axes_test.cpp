@@ -9,6 +9,7 @@
 #include "report/html_data.hpp"
 #include "report/step_heights.hpp"
 #include "tests/machine/robot/arms.hpp"
+#include "tests/report/read_vtp.hpp"
 #include "tests/report/small_plan.hpp"
 
 namespace millpose {
@@ -99,10 +100,7 @@ TEST(MovingAxes, ThePathOnThePartIsThatOfAxesAtZero) {
     EXPECT_LT((place - still.passes[0].points[static_cast<size_t>(i)].point.position).norm(), 1e-9);
   }
   const auto numbers = [](const PlanResult& plan) {
-    const std::string vtp = PathVtp(plan);
-    const size_t at = vtp.find("\n", vtp.find("Name=\"position_mm\"")) + 1;
-    std::istringstream text(vtp.substr(at, vtp.find('<', at) - at));
-    return std::vector<double>(std::istream_iterator<double>(text), {});
+    return test::ReadVtp(PathVtp(plan)).values.at("Points/position_mm");
   };
   const std::vector<double> along = numbers(moving), at_zero = numbers(still);
   ASSERT_EQ(along.size(), size_t{3} * kPoints);

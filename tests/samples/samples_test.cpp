@@ -44,7 +44,7 @@ Sample WholeSample(const std::string& name) {
   Sample sample;
   sample.inputs = LoadJobInputs(arguments.job, {});
   sample.cell = MakeJobCell(sample.inputs);
-  sample.plan = ParsePlanResult(ReadFile(folder / kPlanFile), kPlanFile);
+  sample.plan = ParsePlanFile(ReadFile(folder / kPlanFile), kPlanFile);
   fs::remove_all(folder);
   return sample;
 }
@@ -301,7 +301,7 @@ TEST(BaseWindow, IsReplayedAtItsCorners) {
 TEST(Samples, FreezeOnRequest) {
   const char* folder = std::getenv("MILLPOSE_FREEZE");
   if (folder == nullptr) return;
-  fmt::print("{}", Freeze(ParsePlanResult(ReadFile(fs::path(folder) / kPlanFile), kPlanFile)));
+  fmt::print("{}", Freeze(ParsePlanFile(ReadFile(fs::path(folder) / kPlanFile), kPlanFile)));
 }
 #endif
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""CBOR (RFC 8949), as much of it as plan.cbor has."""
+"""CBOR (RFC 8949), as much of it as plan.cbor.gz has."""
 import struct
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Plans: made by the program, read from its output folder."""
 import csv
+import gzip
 import json
 import os
 import pathlib
@@ -122,8 +123,8 @@ class Plan:
 
     @cached_property
     def document(self):
-        """plan.cbor, decoded (docs/plan-format.md): mm, rad, s, N; lists and dicts as they stand there."""
-        return decode((self.folder / "plan.cbor").read_bytes())
+        """plan.cbor.gz, decoded (docs/plan-format.md): mm, rad, s, N; lists and dicts as they stand there."""
+        return decode(gzip.decompress((self.folder / "plan.cbor.gz").read_bytes()))
 
     @cached_property
     def gaps_deg(self):

@@ -21,12 +21,11 @@ namespace {
 const std::array<double, 6> kTogether{DegToRad(1), DegToRad(1), DegToRad(1),
                                       DegToRad(4), DegToRad(4), DegToRad(10)};
 
-float Down(double value) {
-  return std::nextafter(static_cast<float>(value), -std::numeric_limits<float>::infinity());
-}
-float Up(double value) {
-  return std::nextafter(static_cast<float>(value), std::numeric_limits<float>::infinity());
-}
+constexpr double kFarthest = 1e7;  // mm: a body that far off is in no cell
+
+/// The steps up to a value, so that what they hold is held.
+int32_t Down(double value, double step) { return static_cast<int32_t>(std::floor(value / step)); }
+int32_t Up(double value, double step) { return static_cast<int32_t>(std::ceil(value / step)); }
 
 /// In which of the places that are put together a pose lies.
 std::array<int16_t, 6> PlaceOf(const Joints& q) {
@@ -39,7 +38,7 @@ std::array<int16_t, 6> PlaceOf(const Joints& q) {
 Joints MiddleOf(const PoseBox& box) {
   Joints middle;
   for (size_t i = 0; i < 6; ++i)
-    middle[static_cast<Eigen::Index>(i)] = 0.5 * (static_cast<double>(box.low[i]) + box.high[i]);
+    middle[static_cast<Eigen::Index>(i)] = kBoxAngle * (box.low[i] + 0.5 * box.width[i]);
   return middle;
 }
 
@@ -59,8 +58,9 @@ void QueryLog::Widen(const Place& place, const PoseBox& box) {
   if (is_new) return;
   PoseBox& kept = at->second;
   for (size_t i = 0; i < 6; ++i) {
+    const int32_t high = std::max(kept.low[i] + kept.width[i], box.low[i] + box.width[i]);
     kept.low[i] = std::min(kept.low[i], box.low[i]);
-    kept.high[i] = std::max(kept.high[i], box.high[i]);
+    kept.width[i] = high - kept.low[i];
   }
   kept.reach = std::max(kept.reach, box.reach);
 }
@@ -69,10 +69,10 @@ void QueryLog::Add(const Joints& low, const Joints& high, double reach) {
   PoseBox box;
   for (size_t i = 0; i < 6; ++i) {
     const auto joint = static_cast<Eigen::Index>(i);
-    box.low[i] = Down(low[joint]);
-    box.high[i] = Up(high[joint]);
+    box.low[i] = Down(low[joint], kBoxAngle);
+    box.width[i] = Up(high[joint], kBoxAngle) - box.low[i];
   }
-  box.reach = Up(reach);
+  box.reach = Up(std::min(reach, kFarthest), kBoxLength);
   Widen(PlaceOf(0.5 * (low + high)), box);
 }
 
@@ -196,9 +196,8 @@ bool World::FarFrom(const std::vector<std::string>& still, const Queries& looks)
       if (body.link != 0) pairs.push_back({&body, &obstacle});
   return std::ranges::all_of(looks.boxes, [&](const PoseBox& box) {
     Joints half;
-    for (size_t i = 0; i < 6; ++i)
-      half[static_cast<Eigen::Index>(i)] = 0.5 * (static_cast<double>(box.high[i]) - box.low[i]);
-    return FarCheck(impl_->cell, box.reach).Far(MiddleOf(box), half, pairs, kHalvings);
+    for (size_t i = 0; i < 6; ++i) half[static_cast<Eigen::Index>(i)] = 0.5 * kBoxAngle * box.width[i];
+    return FarCheck(impl_->cell, kBoxLength * box.reach).Far(MiddleOf(box), half, pairs, kHalvings);
   });
 }
 

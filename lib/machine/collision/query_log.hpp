@@ -13,12 +13,15 @@
 
 namespace millpose {
 
-/// Poses that lie together, joint by joint (rad). Of a body that stood still it made no difference how far it
-/// was, if only farther than `reach` (mm) from the arm at each of them, and all the way where the arm moved
-/// between them.
+/// In what boxes are measured: steps that hardly widen them, and leave few digits to keep.
+inline constexpr double kBoxAngle = 1.0 / 4096, kBoxLength = 1.0 / 16;  // rad, mm
+
+/// Poses that lie together, joint by joint, in steps of kBoxAngle (rad). Of a body that stood still it made
+/// no difference how far it was, if only farther than `reach` (steps of kBoxLength, mm) from the arm at each
+/// of them, and all the way where the arm moved between them.
 struct PoseBox {
-  std::array<float, 6> low, high;
-  float reach = 0;
+  std::array<int32_t, 6> low{}, width{};
+  int32_t reach = 0;
 };
 
 /// Everything that was asked.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The fields of a plan as plan.cbor has them (docs/plan-format.md): each type lists its own once, in order,
-// for serialise.cpp alone.
+// The fields of a plan as plan.cbor.gz has them (docs/plan-format.md): each type lists its own once, in
+// order, for serialise.cpp alone.
 #pragma once
 
 #include "planning/result/plan_result.hpp"

@@ -186,8 +186,10 @@ struct PlanResult {
   StiffnessOrigin stiffness_origin = StiffnessOrigin::kToolTip;
 };
 
-/// The bytes of plan.cbor; exact (CBOR, doubles bit for bit). Parse throws InputError naming `name`.
+/// A plan as CBOR; exact (doubles bit for bit). Parse throws InputError naming `name`.
 std::string Serialise(const PlanResult& result);
 PlanResult ParsePlanResult(std::string_view bytes, const std::string& name);
+/// The same of plan.cbor.gz, which WritePlan() writes.
+PlanResult ParsePlanFile(std::string_view bytes, const std::string& name);
 
 }  // namespace millpose

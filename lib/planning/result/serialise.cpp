@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // PlanResult and PassResult as CBOR: writer and reader walk the fields of plan_fields.hpp in their order.
 #include "base/error.hpp"
+#include "base/gzip.hpp"
 #include "planning/result/cbor.hpp"
 #include "planning/result/plan_fields.hpp"
 #include "planning/result/write_plan.hpp"
@@ -34,6 +35,7 @@ struct Writer {
   std::string& out;
   const ByteSink* sink = nullptr;  ///< takes what `out` holds before and after every pass, where there is one
   int threads = 1;                 ///< that passes are written on for it
+  bool packed = false;             ///< each time as a member of a gzip file
   CborWriter to{out};
 
   template <class T>
@@ -82,12 +84,12 @@ struct Writer {
     const auto pass = [&](size_t i) {
       std::string bytes;
       Writer{bytes}.Write(passes[i]);
-      return bytes;
+      return packed ? Gzip(bytes) : bytes;
     };
     WriteInOrder(passes.size(), threads, {}, pass, *sink);
   }
   void Flush() {
-    (*sink)(out);
+    (*sink)(packed ? Gzip(out) : out);
     out.clear();
   }
   template <class T>
@@ -180,11 +182,9 @@ struct Reader {
 // The leading field tells a file of ours from others and one version from the next.
 constexpr const char* kFormat = "millpose 9";
 
-}  // namespace
-
-void WritePlan(const PlanResult& result, int threads, const ByteSink& sink) {
+void Write(const PlanResult& result, int threads, bool packed, const ByteSink& sink) {
   std::string bytes;
-  Writer writer{bytes, &sink, threads};
+  Writer writer{bytes, &sink, threads, packed};
   auto& fields = const_cast<PlanResult&>(result);
   Counter counter;
   Fields(counter, fields);
@@ -194,8 +194,14 @@ void WritePlan(const PlanResult& result, int threads, const ByteSink& sink) {
   writer.Flush();
 }
 
+}  // namespace
+
+void WritePlan(const PlanResult& result, int threads, const ByteSink& sink) {
+  Write(result, threads, true, sink);
+}
+
 std::string Serialise(const PlanResult& result) {
-  return BytesOf([&](const ByteSink& sink) { WritePlan(result, 1, sink); });
+  return BytesOf([&](const ByteSink& sink) { Write(result, 1, false, sink); });
 }
 
 PlanResult ParsePlanResult(std::string_view bytes, const std::string& name) {
@@ -213,6 +219,12 @@ PlanResult ParsePlanResult(std::string_view bytes, const std::string& name) {
   } catch (const std::exception& error) {
     throw InputError({name}, fmt::format("not a plan that this version wrote: {}", error.what()));
   }
+}
+
+PlanResult ParsePlanFile(std::string_view bytes, const std::string& name) {
+  const std::optional<std::string> plan = Gunzip(bytes);
+  if (!plan) throw InputError({name}, "not a plan that this version wrote: no gzip file, or damaged");
+  return ParsePlanResult(*plan, name);
 }
 
 }  // namespace millpose

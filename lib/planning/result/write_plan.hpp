@@ -6,7 +6,8 @@
 
 namespace millpose {
 
-/// The bytes of Serialise(), pass by pass.
+/// The bytes of plan.cbor.gz: those of Serialise() as members of a gzip file, one for every pass and one for
+/// what stands before and behind these.
 void WritePlan(const PlanResult& result, int threads, const ByteSink& sink);
 
 }  // namespace millpose

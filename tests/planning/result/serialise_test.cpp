@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "base/gzip.hpp"
 #include "planning/result/write_plan.hpp"
 #include "tests/planning/result/every_field.hpp"
 
@@ -94,7 +95,12 @@ TEST(Serialise, TheSameOnAnyNumberOfThreadsAndInParts) {
     });
   });
   EXPECT_GE(parts, plan.passes.size());
-  EXPECT_EQ(bytes, Serialise(plan));
+  EXPECT_EQ(bytes, BytesOf([&](const ByteSink& sink) { WritePlan(plan, 1, sink); }));
+  EXPECT_EQ(Gunzip(bytes), Serialise(plan));
+  EXPECT_EQ(Serialise(ParsePlanFile(bytes, "x")), Serialise(plan));
+  for (const std::string& damaged :
+       {bytes.substr(0, bytes.size() - 1), bytes + "x", Serialise(plan), std::string()})
+    EXPECT_THROW(ParsePlanFile(damaged, "plan"), InputError);
 }
 
 TEST(Serialise, FieldsThatAreNotThereOrTooManyAreRefused) {

@@ -209,14 +209,17 @@ class CachedPlan {
     cell.bodies.push_back(Post("right", 3000));
     QueryLog looks;
     looks.Add(cell.home, cell.home, 10);
-    WritePass(kept, "key", ObstaclesOf(cell), looks.Collected(), plan);
+    WritePass(kept, "key", ObstaclesOf(cell), looks.Collected(), laid, plan);
   }
   /// Whether it is read in the cell as it is now.
   bool Holds(bool fits = true) const {
-    const auto read =
-        ReadPass(kept, "key", World(cell), ObstaclesOf(cell), [&](const PassResult&) { return fits; });
+    const auto read = Read(laid, fits);
     EXPECT_TRUE(!read || HashOfValues(*read) == HashOfValues(plan));
     return read.has_value();
+  }
+  std::optional<PassResult> Read(const Pass& pass, bool fits = true) const {
+    return ReadPass(kept, "key", World(cell), ObstaclesOf(cell), pass,
+                    [&](const PassResult&) { return fits; });
   }
   Body& last() { return cell.bodies.back(); }
   static Body Post(const std::string& name, double y) {
@@ -224,6 +227,7 @@ class CachedPlan {
   }
 
   Cell cell = test::FreshPlan().prepared.cell;
+  Pass laid = test::FreshPlan().prepared.toolpath.passes[0];
   PassResult plan = test::FreshPlan().plan.passes[0];
   test::MemoryCheckpoints kept;
 };
@@ -254,7 +258,7 @@ TEST(KeptPass, IsNotReadWhereAnAnswerToldOfWhatMoved) {
   looks.Add(kept.cell.home, kept.cell.home, 10);
   looks.Meet("left");
   kept.kept.kept.clear();
-  WritePass(kept.kept, "key", ObstaclesOf(kept.cell), looks.Collected(), kept.plan);
+  WritePass(kept.kept, "key", ObstaclesOf(kept.cell), looks.Collected(), kept.laid, kept.plan);
   kept.last().X_MG.translation().x() = -500;  // the other one
   EXPECT_TRUE(kept.Holds());
   kept.cell.bodies[kept.cell.bodies.size() - 2].X_MG.translation().y() -= 1;
@@ -272,6 +276,37 @@ TEST(KeptPass, DamagedBytesAreAsGoodAsNone) {
   EXPECT_FALSE(kept.Holds());
   kept.kept.kept.clear();
   EXPECT_FALSE(kept.Holds());
+}
+
+TEST(KeptPass, MillingPointsAreThoseOfTheLaidPass) {
+  CachedPlan kept;
+  const auto write = [&](const Pass& pass) {
+    kept.kept.kept.clear();
+    WritePass(kept.kept, "key", ObstaclesOf(kept.cell), {}, pass, kept.plan);
+  };
+  const auto read = [&](const Pass& pass) { return HashOfValues(kept.Read(pass)); };
+  const auto plan = [&] { return HashOfValues(std::optional(kept.plan)); };
+  Pass none = kept.laid, other = kept.laid;
+  for (MillingPoint& point : none.points) point.position.x() += 1;
+  other.points[1].arc_length = 77;
+  write(none);
+  EXPECT_EQ(read(none), plan()) << "its own, where they differ";
+  write(kept.laid);
+  EXPECT_EQ(read(kept.laid), plan());
+  EXPECT_EQ(kept.Read(other)->points[1].point.arc_length, 77) << "not kept";
+  none.points.resize(1);
+  EXPECT_FALSE(kept.Read(none));
+
+  // Of a ring left open the plan begins with another point; one of its points has a last bit of its own.
+  Pass turned = kept.laid;
+  std::rotate(turned.points.begin(), turned.points.begin() + 2, turned.points.end());
+  kept.plan.opened_at = static_cast<int>(turned.points.size()) - 2;
+  kept.plan.points[1].point.arc_length = std::nextafter(kept.plan.points[1].point.arc_length, 1e9);
+  write(turned);
+  EXPECT_EQ(read(turned), plan());
+  turned.points.back().arc_length = turned.points.front().arc_length = 77;
+  EXPECT_EQ(kept.Read(turned)->points[1].point.arc_length, kept.plan.points[1].point.arc_length);
+  EXPECT_EQ(kept.Read(turned)->points[2].point.arc_length, 77);
 }
 
 // Posts here and there about the ways home: what is kept is what planning anew gives.

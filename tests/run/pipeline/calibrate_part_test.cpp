@@ -36,7 +36,7 @@ class MilledPart {
   }
 
   std::vector<Place> Places() const {
-    const PlanResult plan = ParsePlanResult(ReadFile(out() / kPlanFile), "plan");
+    const PlanResult plan = ParsePlanFile(ReadFile(out() / kPlanFile), "plan");
     const JobInputs inputs = LoadJobInputs(out() / "job.yaml");
     std::vector<Place> places;
     std::vector<const PlannedPoint*> points;

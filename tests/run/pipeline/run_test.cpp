@@ -65,7 +65,7 @@ TEST(RunPlan, LeavesWhatTheManifestNames) {
   const Manifest manifest = CheckManifest(Planned().out());
   EXPECT_EQ(manifest.key, LoadJobInputs(Planned().arguments().job).hash);
   for (const char* name :
-       {"job.yaml", "cell.yaml", "plan.cbor", "starts.cbor", "points.csv", "deflection.csv", "path.vtp",
+       {"job.yaml", "cell.yaml", "plan.cbor.gz", "starts.cbor", "points.csv", "deflection.csv", "path.vtp",
         "summary.json", "report.html", "programs/linuxcnc/support_pad.ngc"})
     EXPECT_TRUE(manifest.files.contains(name)) << name;
   EXPECT_EQ(

@@ -74,7 +74,7 @@ std::pair<PlanResult, JobInputs> ReadMeasuredPlan(const CalibrateArguments& argu
   ReadWhole(arguments.plan, [&] {
     RefuseSeveral(arguments.plan);
     const std::filesystem::path plan_file = arguments.plan / kPlanFile;
-    read.first = ParsePlanResult(arguments.root.Read(plan_file), plan_file.string());
+    read.first = ParsePlanFile(arguments.root.Read(plan_file), plan_file.string());
     std::optional<std::filesystem::path> origin;
     if (arguments.job) origin = std::filesystem::absolute(*arguments.job).parent_path();
     read.second = LoadJobInputs(arguments.plan / "job.yaml", {}, origin, arguments.root);

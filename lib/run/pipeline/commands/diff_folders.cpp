@@ -46,7 +46,7 @@ Side ReadSide(const fs::path& folder, const FileRoot& root) {
   ReadWhole(folder, [&] {
     const Folder open(folder);  // whatever the summary names, nothing outside of it is read
     const auto file = [&](const char* name) { return (folder / name).string(); };
-    side.plan = ParsePlanResult(open.Read(kPlanFile), file(kPlanFile));
+    side.plan = ParsePlanFile(open.Read(kPlanFile), file(kPlanFile));
     side.summary = JsonTree::parse(open.Read("summary.json"), nullptr, false);
     side.job = open.Read("job.yaml");
     side.cell = open.Read("cell.yaml");

@@ -202,7 +202,7 @@ PointStory TellPoint(const std::filesystem::path& folder, size_t number) {
   cell.bodies.clear();  // the objective knows no bodies
   const Cell bare = MakeCell(cell, {});
   const Stations stations(World(bare), AtOwnAxis(MakePoseProblem(job, cell, bare)));
-  const PlanResult plan = ParsePlanResult(ReadFile(folder / kPlanFile), (folder / kPlanFile).string());
+  const PlanResult plan = ParsePlanFile(ReadFile(folder / kPlanFile), (folder / kPlanFile).string());
   size_t pass = 0, point = number;
   while (pass < plan.passes.size() && point >= plan.passes[pass].points.size())
     point -= plan.passes[pass++].points.size();

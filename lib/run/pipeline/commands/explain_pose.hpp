@@ -11,7 +11,7 @@
 namespace millpose {
 
 /// What inspect tells of a point: the objective on all admissible branches every 3°, and why it has its pose.
-/// Computed anew with the plan and the settings that the folder keeps (plan.cbor, job.yaml, cell.yaml).
+/// Computed anew with the plan and the settings that the folder keeps (plan.cbor.gz, job.yaml, cell.yaml).
 /// `number` of the point in the job. Throws InputError when they cannot be read.
 PointStory TellPoint(const std::filesystem::path& folder, size_t number);
 

@@ -37,7 +37,7 @@ PlanFolder ReadPlanFolder(const std::filesystem::path& folder,
     RefuseSeveral(folder);
     if (files == PlanFiles::kAsWritten) CheckOwnFiles(folder, root);
     const std::filesystem::path plan_file = folder / kPlanFile;
-    read.plan = ParsePlanResult(root.Read(plan_file), plan_file.string());
+    read.plan = ParsePlanFile(root.Read(plan_file), plan_file.string());
     read.summary = root.Read(folder / "summary.json");
     std::optional<std::filesystem::path> origin;
     if (job) origin = std::filesystem::absolute(*job).parent_path();

@@ -39,7 +39,7 @@ bool AnyHasStock(const std::vector<JobInputs>& inputs) {
 
 PlanResult StagedPlan(const ResultSet& results, const std::string& operation, const FileRoot& root) {
   const fs::path file = results.staged() / kOperationsFolder / operation / kPlanFile;
-  return ParsePlanResult(root.Read(file), file.string());
+  return ParsePlanFile(root.Read(file), file.string());
 }
 
 /// Each planned into `whole`, which is null where only a share is.

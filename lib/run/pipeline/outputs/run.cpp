@@ -170,7 +170,7 @@ Planned PlanInto(const Destination& to, const PlanArguments& arguments, JobInput
         {0, fmt::format("share {} of {} is planned\n", arguments.share->index + 1, arguments.share->count)},
         false};
   }
-  PlannedJob job = PlanJob(inputs, checkpoints, execution);
+  PlannedJob job = PlanJob(inputs, checkpoints, execution, LaidPoints::kGo);
   return WritePlanned(arguments, inputs, begun, checkpoints, job, to, stages, execution);
 }
 

@@ -58,7 +58,7 @@ PlannedFolder::PlannedFolder(fs::path folder, Manifest manifest, const VerifyArg
       arguments_(arguments),
       execution_(std::move(execution)) {
   const fs::path plan_file = folder_ / kPlanFile, ways_file = folder_ / kStartWays;
-  plan_ = ParsePlanResult(arguments.root.Read(plan_file), plan_file.string());
+  plan_ = ParsePlanFile(arguments.root.Read(plan_file), plan_file.string());
   if (fs::exists(ways_file)) ways_ = ParsePlanResult(arguments.root.Read(ways_file), ways_file.string());
   inputs_ = InputsOf(folder_, arguments);
   world_ = std::make_unique<World>(MakeJobCell(inputs_));

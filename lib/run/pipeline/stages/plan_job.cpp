@@ -3,6 +3,7 @@
 
 #include "base/counted.hpp"
 #include "base/error.hpp"
+#include "base/free_memory.hpp"
 #include "job/assemble.hpp"
 #include "job/compensate_job.hpp"
 #include "job/job_engagement.hpp"
@@ -297,7 +298,8 @@ PreparedJob PrepareJob(const JobInputs& inputs, const CheckpointStore& checkpoin
   return WithPlaces(inputs, [&] { return Prepare(inputs, checkpoints, execution); });
 }
 
-PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
+PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution,
+                   LaidPoints laid) {
   CheckPrograms(inputs);
   PlannedJob job{PrepareJob(inputs, checkpoints, execution), {}, {}, {}, {}, {}, {}, {}, {}};
   job.plan = StartPlan(inputs, job.prepared);
@@ -305,6 +307,11 @@ PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, 
   job.plan.passes = std::move(planned.passes);
   job.resumed_passes = planned.resumed;
   PlanWays(inputs, checkpoints, execution, job);
+  if (laid == LaidPoints::kGo) {
+    job.prepared.made.toolpath = {};
+    job.prepared.toolpath = {};
+    ReleaseFreeMemory();
+  }
   MakeJobPrograms(inputs, checkpoints, execution, job);
   return job;
 }

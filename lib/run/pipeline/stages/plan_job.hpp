@@ -57,9 +57,14 @@ struct PlannedJob {
   size_t resumed_passes = 0, resumed_gaps = 0;  ///< that came from checkpoints
 };
 
+/// Whether the milling points that a job was planned from stay in PlannedJob::prepared (`made`, `toolpath`)
+/// once its programs are made. Nothing that is written asks for them, and of 10^6 points they are 0.4 GB.
+enum class LaidPoints : uint8_t { kStay, kGo };
+
 /// Plans a job, whose STEP files are triangles by now (CutStepFiles). Throws InputError for bad input,
 /// Interrupted when the execution's stop was requested: what was planned until then stays in `checkpoints`.
-PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution);
+PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution,
+                   LaidPoints laid = LaidPoints::kStay);
 
 /// Part `index` (from 0) of `count`: every count-th pass of a job, so that several machines can plan one job.
 struct Share {

@@ -68,19 +68,19 @@ PlannedPasses PlanPasses(const Stations& stations, const PassesToPlan& request, 
     };
     // Where axes move nobody notes what was asked about obstacles: they are all in the key.
     const World& world = moves ? stations.world() : stations.At(external[i].from).world;
-    if (auto earlier = ReadPass(checkpoints, key, world, shared.obstacles, fits)) {
+    if (auto earlier = ReadPass(checkpoints, key, world, shared.obstacles, pass, fits)) {
       planned.passes[i] = std::move(*earlier);
       ++resumed;
     } else if (moves) {
       const std::vector<ExternalPosition> positions = PositionsAlong(external[i], pass);
       planned.passes[i] = PlanPass({stations, positions}, wanted, options, inner);
-      WritePass(checkpoints, key, shared.obstacles, {}, planned.passes[i]);
+      WritePass(checkpoints, key, shared.obstacles, {}, pass, planned.passes[i]);
     } else {
       const Station& station = stations.At(external[i].from);
       const auto looks = std::make_shared<QueryLog>();
       planned.passes[i] = PlanPass(station.problem, station.world.Recording(looks), wanted, options, inner);
       planned.passes[i].external = external[i].from;
-      WritePass(checkpoints, key, shared.obstacles, looks->Collected(), planned.passes[i]);
+      WritePass(checkpoints, key, shared.obstacles, looks->Collected(), pass, planned.passes[i]);
     }
     execution.progress.Advance(pass.points.size());
   });
