@@ -16,9 +16,8 @@ struct FixedFigure {
   double plan_worst, fixed_worst, plan_median, fixed_median;
 };
 
-/// The objective, and where forces are known |nᵀcF| and |cF| (mm). `fixed` holds the same points as `plan`.
-std::vector<FixedFigure> FixedFigures(const std::vector<PointFigures>& plan,
-                                      const std::vector<PointFigures>& fixed);
+/// The objective, and where forces are known |nᵀcF| and |cF| (mm).
+std::vector<FixedFigure> FixedFigures(const ComparedFigures& plan, const ComparedFigures& fixed);
 
 /// "worst 0.81, median 0.95" of plan ÷ fixed; "-" where the fixed one is 0.
 std::string FixedRatios(const FixedFigure& figure);

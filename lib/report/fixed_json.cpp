@@ -11,8 +11,8 @@ namespace {
 using FixedTree = nlohmann::ordered_json;
 
 /// Worst and median of one comparison, mm or the objective's unit; null where there is none.
-FixedTree FixedOf(const std::vector<PointFigures>& plan, const std::vector<PointFigures>& fixed) {
-  if (fixed.empty()) return nullptr;
+FixedTree FixedOf(const ComparedFigures& plan, const ComparedFigures& fixed) {
+  if (fixed.points == 0) return nullptr;
   const auto pair = [](double of_plan, double of_fixed) {
     return FixedTree{{"plan", of_plan},
                      {"fixed", of_fixed},
@@ -32,7 +32,7 @@ nlohmann::ordered_json FixedRotationJson(const PlanResult& plan, const ReportInp
   if (!fixed) return nullptr;
   const bool known = inputs.lost_motion && inputs.lost_motion->Known();
   const auto choice = [&](const FixedChoice& of, bool one_rotation) {
-    FixedTree json = FixedOf(fixed->plan, of.points);
+    FixedTree json = FixedOf(fixed->plan, of.figures);
     if (json.is_null()) return json;
     FixedTree degrees = FixedTree::array();
     for (const double rotation : of.rotations) degrees.push_back(RadToDeg(rotation));
@@ -44,7 +44,7 @@ nlohmann::ordered_json FixedRotationJson(const PlanResult& plan, const ReportInp
     return json;
   };
   const auto text = [](const std::string& why) { return why.empty() ? FixedTree(nullptr) : FixedTree(why); };
-  return {{"points", fixed->plan.size()},
+  return {{"points", fixed->plan.points},
           {"job", choice(fixed->job, true)},
           {"passes", choice(fixed->passes, false)},
           {"job_by_sum", choice(fixed->job_by_sum, true)},

@@ -181,7 +181,7 @@ Json FixedJson(const HtmlInput& input) {
   Json sentences = Json::array();
   for (const auto& [name, choice] : NamedChoices(fixed)) {
     std::string sentence = fmt::format("Plan ÷ {}:", name);
-    for (const FixedFigure& figure : FixedFigures(fixed.plan, choice->points))
+    for (const FixedFigure& figure : FixedFigures(fixed.plan, choice->figures))
       sentence += fmt::format(" {} {};", figure.label, FixedRatios(figure));
     const bool known = input.lost_motion != nullptr && input.lost_motion->Known();
     sentences.push_back(
@@ -190,8 +190,8 @@ Json FixedJson(const HtmlInput& input) {
   const auto none = [&](const char* what, const std::string& why) {
     sentences.push_back(fmt::format("{}: none serves all points ({}).", what, why));
   };
-  if (fixed.job.points.empty()) none("Single rotation of the job", fixed.job_in_the_way);
-  if (fixed.passes.points.empty()) none("Rotation of each pass", fixed.passes_in_the_way);
+  if (!fixed.job.Exists()) none("Single rotation of the job", fixed.job_in_the_way);
+  if (!fixed.passes.Exists()) none("Rotation of each pass", fixed.passes_in_the_way);
   return sentences;
 }
 

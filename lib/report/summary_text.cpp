@@ -91,13 +91,13 @@ void AppendFixed(const FixedComparison& fixed, bool known, std::string* text) {
   const auto out = std::back_inserter(*text);
   for (const auto& [name, choice] : NamedChoices(fixed)) {
     fmt::format_to(out, "against    {}, plan / fixed:\n", name);
-    for (const FixedFigure& figure : FixedFigures(fixed.plan, choice->points))
+    for (const FixedFigure& figure : FixedFigures(fixed.plan, choice->figures))
       fmt::format_to(out, "  {:<10} {}\n", figure.label, FixedRatios(figure));
     fmt::format_to(out, "  {}\n", FixedReversals(fixed.plan_gears, choice->gears, known));
   }
-  if (fixed.job.points.empty())
+  if (!fixed.job.Exists())
     fmt::format_to(out, "against    no single rotation does the job: {}\n", fixed.job_in_the_way);
-  if (fixed.passes.points.empty())
+  if (!fixed.passes.Exists())
     fmt::format_to(out, "against    no rotation of its own does each pass: {}\n", fixed.passes_in_the_way);
 }
 

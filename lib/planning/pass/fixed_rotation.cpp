@@ -24,6 +24,33 @@ struct Ranked {
   int branch = 0;
 };
 
+/// Figures of one point in one pose.
+struct PointFigures {
+  double objective = 0, normal = 0, length = 0;  ///< as in ComparedFigures
+};
+
+OverPoints Over(const std::vector<PointFigures>& points, double PointFigures::*member) {
+  OverPoints over;
+  std::vector<double> values;
+  values.reserve(points.size());
+  for (const PointFigures& point : points) {
+    values.push_back(point.*member);
+    over.sum += values.back();
+  }
+  if (values.empty()) return over;
+  over.worst = std::ranges::max(values);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  over.median =
+      values.size() % 2 == 1 ? *middle : 0.5 * (*std::max_element(values.begin(), middle) + *middle);
+  return over;
+}
+
+ComparedFigures FiguresOver(const std::vector<PointFigures>& points) {
+  return {points.size(), Over(points, &PointFigures::objective), Over(points, &PointFigures::normal),
+          Over(points, &PointFigures::length)};
+}
+
 class Comparer {
  public:
   Comparer(const Stations& stations, const std::vector<PassResult>& passes,
@@ -46,6 +73,7 @@ class Comparer {
 
   FixedComparison Compare() {
     FixedComparison comparison;
+    std::vector<PointFigures> planned_points;
     for (const OfPass& pass : passes_) {
       const PlannedIn in = In(pass);
       std::vector<Joints> q;
@@ -54,17 +82,17 @@ class Comparer {
       for (size_t t = 0; t < pass.pass.points.size(); ++t) {
         const PlannedPoint& planned = pass.pass.points[t];
         if (compared_(planned))
-          comparison.plan.push_back(FiguresAt(in.At(t).problem, planned, planned.q, planned.objective));
+          planned_points.push_back(FiguresAt(in.At(t).problem, planned, planned.q, planned.objective));
       }
     }
+    comparison.plan = FiguresOver(planned_points);
     if (passes_.empty()) {
       comparison.job_in_the_way = comparison.passes_in_the_way = "nothing is planned";
       return comparison;
     }
     CompareJob(comparison);
     ComparePasses(comparison);
-    if (std::ranges::any_of(comparison.plan, [](const auto& point) { return point.length > 0; }))
-      CompareByLength(comparison);
+    if (comparison.plan.length.worst > 0) CompareByLength(comparison);
     return comparison;
   }
 
@@ -232,9 +260,9 @@ class Comparer {
     RankBy(Stations(stations_.world(), std::move(problem)), 1);
     const Criterion by{options_.worst_first};
     size_t in_the_way = kNone;
-    if (!comparison.job.points.empty())
+    if (comparison.job.Exists())
       comparison.job_by_length = ChoiceOf(BestForJob(JobBounds(by), by, in_the_way));
-    if (comparison.passes.points.empty()) return;
+    if (!comparison.passes.Exists()) return;
     std::vector<Ranked> best(passes_.size());
     ParallelFor(passes_.size(), options_.threads, options_.stop,
                 [&](size_t i) { best[i] = *BestOf(passes_[i], by); });
@@ -337,21 +365,23 @@ class Comparer {
 
   /// What a rotation and branch for each pass give.
   FixedChoice FiguresOf(const std::vector<Ranked>& chosen) const {
-    std::vector<FixedChoice> of_pass(passes_.size());
-    ParallelFor(passes_.size(), options_.threads, options_.stop, [&](size_t i) {
-      of_pass[i] = {{}, {passes_[i].Table().Rotation(chosen[i].rotation)}, {}};
-      AddFigures(passes_[i], chosen[i], of_pass[i]);
-    });
+    std::vector<std::vector<PointFigures>> of_pass(passes_.size());
+    std::vector<GearTally> gears(passes_.size());
+    ParallelFor(passes_.size(), options_.threads, options_.stop,
+                [&](size_t i) { gears[i] = AddFigures(passes_[i], chosen[i], of_pass[i]); });
     FixedChoice all;
-    for (const FixedChoice& one : of_pass) {
-      std::ranges::copy(one.points, std::back_inserter(all.points));
-      std::ranges::copy(one.rotations, std::back_inserter(all.rotations));
-      all.gears.Add(one.gears);
+    std::vector<PointFigures> points;
+    for (size_t i = 0; i < passes_.size(); ++i) {
+      points.insert(points.end(), of_pass[i].begin(), of_pass[i].end());
+      all.rotations.push_back(passes_[i].Table().Rotation(chosen[i].rotation));
+      all.gears.Add(gears[i]);
     }
+    all.figures = FiguresOver(points);
     return all;
   }
 
-  void AddFigures(const OfPass& pass, const Ranked& ranked, FixedChoice& choice) const {
+  /// Adds the figures of a pass; returns what its gears do.
+  GearTally AddFigures(const OfPass& pass, const Ranked& ranked, std::vector<PointFigures>& points) const {
     const PlannedIn in = In(pass);
     std::vector<Joints> q(pass.pass.points.size());
     for (size_t t = 0; t < q.size(); ++t) {
@@ -361,10 +391,9 @@ class Comparer {
       const Candidate candidate = PointScorer(problem, planned.point, pass.pass.rotation_reference)
                                       .ScoreOne({pass.Table().Rotation(ranked.rotation)}, ranked.branch);
       q[t] = candidate.q;
-      if (compared_(planned))
-        choice.points.push_back(FiguresAt(problem, planned, candidate.q, candidate.objective));
+      if (compared_(planned)) points.push_back(FiguresAt(problem, planned, candidate.q, candidate.objective));
     }
-    choice.gears = GearsWith(pass, in, q);
+    return GearsWith(pass, in, q);
   }
 
   /// What the gears do with these joint angles (each up to full revolutions) at the points of a pass.

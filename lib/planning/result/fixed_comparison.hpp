@@ -8,18 +8,26 @@
 
 namespace millpose {
 
-/// Figures of one point in one pose.
-struct PointFigures {
-  double objective = 0;
-  double normal = 0;  ///< |nᵀcF|, mm; 0 without force
-  double length = 0;  ///< |cF|, mm
+/// A figure over all compared points.
+struct OverPoints {
+  double worst = 0, median = 0, sum = 0;
+};
+
+/// The compared points in the poses of the plan or of a choice.
+struct ComparedFigures {
+  size_t points = 0;     ///< 0: there is no such choice
+  OverPoints objective;  ///< in its unit
+  OverPoints normal;     ///< |nᵀcF|, mm; 0 without force
+  OverPoints length;     ///< |cF|, mm
 };
 
 /// A rotation of the whole job or one of each pass.
 struct FixedChoice {
-  std::vector<PointFigures> points;  ///< empty where there is none
-  std::vector<double> rotations;     ///< rad: one, or of each compared pass
-  GearTally gears;                   ///< where joints turn back with it, entered as the plan is
+  ComparedFigures figures;
+  std::vector<double> rotations;  ///< rad: one, or of each compared pass
+  GearTally gears;                ///< where joints turn back with it, entered as the plan is
+
+  bool Exists() const { return figures.points > 0; }
 };
 
 /// A plan beside the best single rotation of the job and the best of each pass. One counts only where it
@@ -27,7 +35,7 @@ struct FixedChoice {
 /// the motions between points too; ways between passes are not planned for it. Compared are the planned cut
 /// points, where forces are known those that are not in air.
 struct FixedComparison {
-  std::vector<PointFigures> plan;
+  ComparedFigures plan;
   GearTally plan_gears;
   FixedChoice job, passes;  ///< best by the criterion that was planned for
   /// Least sum among those whose worst value is within kNearBest of the least worst.

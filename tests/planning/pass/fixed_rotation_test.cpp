@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "planning/pass/fixed_rotation.hpp"
 
+#include <numeric>
+
 #include "base/random.hpp"
 #include "base/value_bytes.hpp"
 #include "machine/robot/angles.hpp"
@@ -45,30 +47,18 @@ std::vector<PassResult> Plan(const PoseProblem& problem, const World& world, con
   return planned;
 }
 
-double Worst(const std::vector<PointFigures>& figures) {
-  double worst = 0;
-  for (const PointFigures& point : figures) worst = std::max(worst, point.objective);
-  return worst;
-}
-
-double Sum(const std::vector<PointFigures>& figures) {
-  double sum = 0;
-  for (const PointFigures& point : figures) sum += point.objective;
-  return sum;
-}
-
 TEST(FixedRotation, APlanIsNeverWorseByItsOwnCriterion) {
   PoseProblem problem = MakeProblem(Kr500R2830());
   problem.objective = MakeObjective("surface_error", {});
   const World world(EmptyCell(problem));
   const std::vector<PassResult> planned = Plan(problem, world, Rows(), true);
   const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, FixedOptions(true));
-  ASSERT_EQ(found.plan.size(), 50u);
-  ASSERT_EQ(found.job.points.size(), 50u) << found.job_in_the_way;
-  ASSERT_EQ(found.passes.points.size(), 50u) << found.passes_in_the_way;
-  EXPECT_LE(Worst(found.plan), Worst(found.passes.points) * (1 + 2e-6));
-  EXPECT_LE(Worst(found.passes.points), Worst(found.job.points));
-  EXPECT_LT(Sum(found.plan), Sum(found.job.points));
+  ASSERT_EQ(found.plan.points, 50u);
+  ASSERT_EQ(found.job.figures.points, 50u) << found.job_in_the_way;
+  ASSERT_EQ(found.passes.figures.points, 50u) << found.passes_in_the_way;
+  EXPECT_LE(found.plan.objective.worst, found.passes.figures.objective.worst * (1 + 2e-6));
+  EXPECT_LE(found.passes.figures.objective.worst, found.job.figures.objective.worst);
+  EXPECT_LT(found.plan.objective.sum, found.job.figures.objective.sum);
 }
 
 TEST(FixedRotation, IsTheBestOfAllThatServeEveryPoint) {
@@ -99,16 +89,26 @@ TEST(FixedRotation, IsTheBestOfAllThatServeEveryPoint) {
     }
     best = std::min(best, job);
   }
-  ASSERT_FALSE(found.job.points.empty()) << found.job_in_the_way;
-  EXPECT_NEAR(Worst(found.job.points) / best, 1, 1e-9);
-  // Its figures are those of its poses.
-  const Pass& row = rows[0];
-  Eigen::Vector3d force = problem.X_WB.linear().transpose() * row.points[0].engagement.force;
-  const PlannedPoint& planned_point = planned[0].points[0];
-  const Eigen::Matrix3d c =
-      Compliance(Jacobian(problem.arm, planned_point.q, problem.X_FT.translation()), problem.arm.stiffness)
-          .topLeftCorner<3, 3>();
-  EXPECT_NEAR(found.plan[0].length, (c * force).norm(), 1e-12);
+  ASSERT_TRUE(found.job.Exists()) << found.job_in_the_way;
+  EXPECT_NEAR(found.job.figures.objective.worst / best, 1, 1e-9);
+  // Figures are those of the poses.
+  std::vector<double> normal, length;
+  for (const PassResult& pass : planned)
+    for (const PlannedPoint& point : pass.points) {
+      const Eigen::Matrix3d R_BW = problem.X_WB.linear().transpose();
+      const Eigen::Vector3d moved =
+          Compliance(Jacobian(problem.arm, point.q, problem.X_FT.translation()), problem.arm.stiffness)
+              .topLeftCorner<3, 3>() *
+          (R_BW * point.point.engagement.force);
+      length.push_back(moved.norm());
+      normal.push_back(std::abs((R_BW * point.point.normal).dot(moved)));
+    }
+  for (const auto& [figure, values] : {std::pair(found.plan.normal, &normal), {found.plan.length, &length}}) {
+    std::ranges::sort(*values);
+    EXPECT_NEAR(figure.worst, values->back(), 1e-12);
+    EXPECT_NEAR(figure.median, 0.5 * (values->at(24) + values->at(25)), 1e-12);
+    EXPECT_NEAR(figure.sum, std::accumulate(values->begin(), values->end(), 0.0), 1e-10);
+  }
 }
 
 // Beside a plan for another objective stands what one for |cF| itself would name as the best.
@@ -124,12 +124,12 @@ TEST(FixedRotation, TheBestByLengthIsThatOfPlansForTheLength) {
         CompareWithFixed(Stations(world, problem), planned, FixedOptions(worst_first));
     const FixedComparison expected =
         CompareWithFixed(Stations(world, by_length), planned, FixedOptions(worst_first));
-    ASSERT_FALSE(expected.job.points.empty());
+    ASSERT_TRUE(expected.job.Exists());
     EXPECT_EQ(found.job_by_length.rotations, expected.job.rotations);
     EXPECT_EQ(found.passes_by_length.rotations, expected.passes.rotations);
     EXPECT_NE(found.job.rotations, expected.job.rotations);  // else the test would see nothing
-    for (size_t i = 0; i < expected.job.points.size(); ++i)
-      EXPECT_EQ(found.job_by_length.points[i].length, expected.job.points[i].length);
+    for (double OverPoints::*of : {&OverPoints::worst, &OverPoints::median, &OverPoints::sum})
+      EXPECT_EQ(found.job_by_length.figures.length.*of, expected.job.figures.length.*of);
   }
   std::vector<Pass> idle = Rows();
   for (Pass& row : idle)
@@ -137,8 +137,8 @@ TEST(FixedRotation, TheBestByLengthIsThatOfPlansForTheLength) {
   problem.objective = MakeObjective("normal_deflection", {});
   const FixedComparison none =
       CompareWithFixed(Stations(world, problem), Plan(problem, world, idle, true), FixedOptions(true));
-  EXPECT_FALSE(none.job.points.empty());
-  EXPECT_TRUE(none.job_by_length.points.empty());
+  EXPECT_TRUE(none.job.Exists());
+  EXPECT_FALSE(none.job_by_length.Exists());
 }
 
 /// What all rotations of the grid of 2° give a row on their branches, by their worst value and sum.
@@ -179,12 +179,12 @@ TEST(FixedRotation, TheBestBySumIsNearTheBestWorst) {
       sum += best;
       worst = std::max(worst, least);
     }
-    EXPECT_NEAR(Sum(found.passes_by_sum.points) / sum, 1, 1e-9);
-    EXPECT_LE(Worst(found.passes_by_sum.points), 1.05 * worst * (1 + 1e-12));
-    EXPECT_LE(Sum(found.passes_by_sum.points), Sum(found.job_by_sum.points));
+    EXPECT_NEAR(found.passes_by_sum.figures.objective.sum / sum, 1, 1e-9);
+    EXPECT_LE(found.passes_by_sum.figures.objective.worst, 1.05 * worst * (1 + 1e-12));
+    EXPECT_LE(found.passes_by_sum.figures.objective.sum, found.job_by_sum.figures.objective.sum);
     if (worst_first) {
-      EXPECT_LE(Sum(found.job_by_sum.points), Sum(found.job.points));
-      EXPECT_LE(Worst(found.job_by_sum.points), 1.05 * Worst(found.job.points));
+      EXPECT_LE(found.job_by_sum.figures.objective.sum, found.job.figures.objective.sum);
+      EXPECT_LE(found.job_by_sum.figures.objective.worst, 1.05 * found.job.figures.objective.worst);
     }
     EXPECT_EQ(found.passes_by_sum.rotations.size(), 2u);
   }
@@ -262,8 +262,8 @@ TEST(FixedRotation, SaysWhatIsInTheWay) {
   problem.bounds.lower[0] = planned[0].points[4].q[0] - 1e-3;
   problem.bounds.upper[0] = planned[0].points[4].q[0] + 1e-3;
   const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, FixedOptions(false));
-  EXPECT_TRUE(found.job.points.empty());
-  EXPECT_TRUE(found.passes.points.empty());
+  EXPECT_FALSE(found.job.Exists());
+  EXPECT_FALSE(found.passes.Exists());
   EXPECT_NE(found.job_in_the_way.find("points: "), std::string::npos) << found.job_in_the_way;
   EXPECT_NE(found.passes_in_the_way.find("pass 0"), std::string::npos) << found.passes_in_the_way;
 }
@@ -302,10 +302,10 @@ TEST(FixedRotation, WhatIsKnownOfPassesChangesNothing) {
     const auto looks = std::make_shared<QueryLog>();
     for (FixedPass& of : known) of.stations = Stations(World(cell).Recording(looks), problem);
     const FixedComparison found = CompareWithFixed(stations, planned, FixedOptions(true), known);
-    EXPECT_EQ(looks->Collected().boxes.empty(), !found.job.points.empty());
-    ++(found.job.points.empty() ? in_the_way : served);
+    EXPECT_EQ(looks->Collected().boxes.empty(), found.job.Exists());
+    ++(!found.job.Exists() ? in_the_way : served);
     const bool told = found.job_in_the_way.find("it is met at points ") != std::string::npos;
-    EXPECT_EQ(told, found.job.points.empty()) << found.job_in_the_way;
+    EXPECT_EQ(told, !found.job.Exists()) << found.job_in_the_way;
   }
   EXPECT_GT(served, 0u);
   EXPECT_GT(in_the_way, 0u);

@@ -63,7 +63,7 @@ AuditFigures JudgePlan(const JobInputs& inputs, const Execution& execution, Plan
 FaceReport PredictedFace(const JobInputs& inputs, const PlannedJob& job, const Execution& execution) {
   execution.progress.Begin("face", 0);
   FaceOptions options;
-  if (!job.fixed.job.points.empty())
+  if (job.fixed.job.Exists())
     options.rotation = job.fixed.job.rotations.front();
   else
     options.fixed_in_the_way = job.fixed.job_in_the_way;

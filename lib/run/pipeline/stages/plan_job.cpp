@@ -175,7 +175,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   ForgetCommanded(plan.passes);
   execution.progress.Begin("fixed rotations", 0);
   job.fixed = CompareFixed(inputs, job.prepared, plan.passes, checkpoints, execution);
-  execution.progress.End(fmt::format("{} points compared", job.fixed.plan.size()));
+  execution.progress.End(fmt::format("{} points compared", job.fixed.plan.points));
   const std::string left = missing.Count(plan);
   if (!left.empty()) job.prepared.warnings.push_back(left);
   const std::string entries = EntriesOnMaterial(inputs, job.prepared.surface.mesh, plan);
