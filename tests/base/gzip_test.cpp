@@ -11,9 +11,12 @@ namespace {
 std::string Some(size_t size, uint64_t seed) {
   RandomStream random(seed, 0);
   std::string bytes;
-  while (bytes.size() < size)
-    bytes += random.Uniform(0, 1) < 0.5 ? "the same again "
-                                        : std::string(1, static_cast<char>(random.Uniform(0, 255)));
+  while (bytes.size() < size) {
+    if (random.Uniform() < 0.5)
+      bytes += "the same again ";
+    else
+      bytes += static_cast<char>(random.Below(256));
+  }
   bytes.resize(size);
   return bytes;
 }

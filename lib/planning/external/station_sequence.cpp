@@ -99,14 +99,6 @@ bool StationSequence::IsBetter(const StationSequence& other) const {
   return std::tie(lost, worst, sum) < std::tie(other.lost, other.worst, other.sum);
 }
 
-StationSequence FindStationSequence(const std::vector<std::vector<StationScore>>& scores, bool worst_first,
-                                    size_t next) {
-  std::vector<Choices> passes(scores.front().size());
-  for (size_t p = 0; p < passes.size(); ++p)
-    for (size_t s = 0; s < scores.size(); ++s) passes[p].push_back({s, s, scores[s][p]});
-  return FindCourseSequence(passes, worst_first, next);
-}
-
 StationSequence FindCourseSequence(const std::vector<std::vector<CourseScore>>& choices, bool worst_first,
                                    size_t next) {
   StationSequence found;

@@ -35,15 +35,10 @@ struct StationSequence {
 /// What a change of station must gain, as a share of a pass's objective.
 inline constexpr double kChangePrice = 0.05;
 
-/// `scores[station][pass]`. Every pass loses as few points as it can anywhere; with `worst_first` no sampled
-/// point is worse than the worst of all must be; of what is left the sequence with the least sum of the
-/// objective, each pass's in shares of its own best, and kChangePrice for every change. `next`: how many
-/// other stations each pass is given.
-StationSequence FindStationSequence(const std::vector<std::vector<StationScore>>& scores, bool worst_first,
-                                    size_t next);
-
-/// The same where stations may move along passes: `choices[pass]`, with a change where a pass does not begin
-/// at the station at which the one before ends.
+/// `choices[pass]`. Every pass loses as few points as it can anywhere; with `worst_first` no sampled point is
+/// worse than the worst of all must be; of what is left the sequence with the least sum of the objective,
+/// each pass's in shares of its own best, and kChangePrice for every change: where a pass does not begin at
+/// the station at which the one before ends. `next`: how many other choices each pass is given.
 StationSequence FindCourseSequence(const std::vector<std::vector<CourseScore>>& choices, bool worst_first,
                                    size_t next);
 

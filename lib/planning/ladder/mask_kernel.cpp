@@ -35,9 +35,10 @@ template <bool kAll, typename Way>
     Mask mask = reached.masks.v[l];
     const auto take = [&] [[gnu::always_inline]] (int k) {
       const double at = begin + k;
-      const bool within = (std::fabs(way(0, t0 - q0[k])) <= m0) & (std::fabs(way(1, t1 - q1[k])) <= m1) &
-                          (std::fabs(way(2, t2 - q2[k])) <= m2) & (std::fabs(way(3, t3 - q3[k])) <= m3) &
-                          (std::fabs(way(4, t4 - q4[k])) <= m4) & (std::fabs(way(5, t5 - q5[k])) <= m5) &
+      const double d0 = way(0, t0 - q0[k]), d1 = way(1, t1 - q1[k]), d2 = way(2, t2 - q2[k]);
+      const double d3 = way(3, t3 - q3[k]), d4 = way(4, t4 - q4[k]), d5 = way(5, t5 - q5[k]);
+      const bool within = (std::fabs(d0) <= m0) & (std::fabs(d1) <= m1) & (std::fabs(d2) <= m2) &
+                          (std::fabs(d3) <= m3) & (std::fabs(d4) <= m4) & (std::fabs(d5) <= m5) &
                           (at >= first) & (at < last);
       mask |= within ? of[k] : Mask{0};
     };

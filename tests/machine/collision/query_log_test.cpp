@@ -160,6 +160,36 @@ TEST(Queries, ALongWayIsKnownByWhereItLeadsAndNotByAllBetweenItsEnds) {
   EXPECT_GT(changed, 30);
 }
 
+TEST(Queries, BoxesHoldWhatWasAskedAndLittleMore) {
+  RandomStream random(9, 0);
+  for (int round = 0; round < 300; ++round) {
+    QueryLog log;
+    Joints low, high, other_low, other_high;
+    for (int i = 0; i < 6; ++i) {
+      low[i] = random.Uniform(-12, 12);
+      high[i] = low[i] + random.Uniform(0, 0.004);
+      other_low[i] = low[i] + random.Uniform(-1e-5, 1e-5);
+      other_high[i] = high[i] + random.Uniform(-1e-5, 1e-5);
+    }
+    const double reach = random.Uniform(0, 90), other_reach = reach + random.Uniform(-0.1, 0.1);
+    log.Add(low, high, reach);
+    log.Add(other_low, other_high, other_reach);
+    const std::vector<PoseBox> boxes = log.Collected().boxes;
+    if (boxes.size() != 1) continue;  // the two lie beside each other
+    const PoseBox& box = boxes.front();
+    for (int i = 0; i < 6; ++i) {
+      const auto k = static_cast<size_t>(i);
+      const double begin = kBoxAngle * box.low[k], end = kBoxAngle * (box.low[k] + box.width[k]);
+      EXPECT_LE(begin, std::min(low[i], other_low[i]));
+      EXPECT_GE(end, std::max(high[i], other_high[i]));
+      EXPECT_LE(end - begin,
+                std::max(high[i], other_high[i]) - std::min(low[i], other_low[i]) + 2 * kBoxAngle);
+    }
+    EXPECT_GE(kBoxLength * box.reach, std::max(reach, other_reach));
+    EXPECT_LE(kBoxLength * box.reach, std::max(reach, other_reach) + kBoxLength);
+  }
+}
+
 TEST(Queries, SeveralCheckersAreKeptTogether) {
   const World world(WithPost({1500, 400, 1000}));
   const auto keeper = std::make_shared<QueryLog>();

@@ -8,7 +8,15 @@
 namespace millpose {
 namespace {
 
-using Scores = std::vector<std::vector<StationScore>>;
+using Scores = std::vector<std::vector<StationScore>>;  // [station][pass]
+
+/// The sequence where no station moves along passes.
+StationSequence SequenceOf(const Scores& scores, bool worst_first, size_t next) {
+  std::vector<std::vector<CourseScore>> passes(scores.front().size());
+  for (size_t p = 0; p < passes.size(); ++p)
+    for (size_t s = 0; s < scores.size(); ++s) passes[p].push_back({s, s, scores[s][p]});
+  return FindCourseSequence(passes, worst_first, next);
+}
 
 /// What the law says of a sequence: infinite where a pass stands where it may not.
 double CostOf(const Scores& scores, const std::vector<size_t>& sequence, bool worst_first) {
@@ -50,7 +58,7 @@ TEST(StationSequence, IsTheCheapestOfAll) {
       for (size_t p = 0, rest = code; p < kPasses; ++p, rest /= 3) sequence.push_back(rest % 3);
       least = std::min(least, CostOf(scores, sequence, worst_first));
     }
-    const StationSequence found = FindStationSequence(scores, worst_first, 1);
+    const StationSequence found = SequenceOf(scores, worst_first, 1);
     std::vector<size_t> sequence;
     for (const auto& pass : found.ranked) sequence.push_back(pass.front());
     EXPECT_NEAR(CostOf(scores, sequence, worst_first), least, 1e-12);
@@ -99,9 +107,9 @@ TEST(StationSequence, OfCoursesIsTheCheapestOfAll) {
 TEST(StationSequence, StaysWhereAChangeGainsLittle) {
   const auto at = [](double sum) { return StationScore{0, 1, sum}; };
   const Scores little{{at(1), at(1.04), at(1)}, {at(1.04), at(1), at(1.04)}};
-  EXPECT_EQ(FindStationSequence(little, false, 0).changes, 0u);
+  EXPECT_EQ(SequenceOf(little, false, 0).changes, 0u);
   const Scores much{{at(1), at(1.3), at(1)}, {at(1.3), at(1), at(1.3)}};
-  EXPECT_EQ(FindStationSequence(much, false, 0).changes, 2u);
+  EXPECT_EQ(SequenceOf(much, false, 0).changes, 2u);
 }
 
 }  // namespace
