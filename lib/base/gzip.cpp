@@ -16,7 +16,7 @@ constexpr size_t kZlibMost = size_t{1} << 30;                       // bytes; zl
 
 Bytef* In(std::string_view bytes) { return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data())); }
 
-std::string Packed(std::string_view bytes, int window) {
+std::string Deflated(std::string_view bytes, int window) {
   z_stream stream{};
   if (deflateInit2(&stream, kLevel, Z_DEFLATED, window, MAX_MEM_LEVEL, Z_DEFAULT_STRATEGY) != Z_OK)
     throw std::bad_alloc();
@@ -40,9 +40,9 @@ std::string Packed(std::string_view bytes, int window) {
 
 }  // namespace
 
-std::string Gzip(std::string_view bytes) { return Packed(bytes, kGzipFile); }
+std::string Gzip(std::string_view bytes) { return Deflated(bytes, kGzipFile); }
 
-std::string ZlibBytes(std::string_view bytes) { return Packed(bytes, kZlibStream); }
+std::string ZlibBytes(std::string_view bytes) { return Deflated(bytes, kZlibStream); }
 
 std::optional<std::string> Gunzip(std::string_view file) {
   constexpr size_t kMostTimes = 200, kPart = 1 << 20;

@@ -18,8 +18,7 @@ std::string Ratio(double plan, double fixed) {
 std::vector<FixedFigure> FixedFigures(const ComparedFigures& plan, const ComparedFigures& fixed) {
   std::vector<FixedFigure> figures;
   const auto add = [&](const char* key, const char* label, OverPoints ComparedFigures::*figure) {
-    const OverPoints &of_plan = plan.*figure, &of_fixed = fixed.*figure;
-    figures.push_back({key, label, of_plan.worst, of_fixed.worst, of_plan.median, of_fixed.median});
+    figures.push_back({key, label, plan.*figure, fixed.*figure});
   };
   add("objective", "objective", &ComparedFigures::objective);
   if (plan.length.worst > 0) {
@@ -30,8 +29,8 @@ std::vector<FixedFigure> FixedFigures(const ComparedFigures& plan, const Compare
 }
 
 std::string FixedRatios(const FixedFigure& figure) {
-  return fmt::format("worst {}, median {}", Ratio(figure.plan_worst, figure.fixed_worst),
-                     Ratio(figure.plan_median, figure.fixed_median));
+  return fmt::format("worst {}, median {}", Ratio(figure.plan.worst, figure.fixed.worst),
+                     Ratio(figure.plan.median, figure.fixed.median));
 }
 
 std::string FixedReversals(const GearTally& plan, const GearTally& fixed, bool known) {

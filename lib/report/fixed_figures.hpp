@@ -13,7 +13,7 @@ namespace millpose {
 struct FixedFigure {
   const char* key;    ///< objective | normal | length
   const char* label;  ///< for the terminal
-  double plan_worst, fixed_worst, plan_median, fixed_median;
+  OverPoints plan, fixed;
 };
 
 /// The objective, and where forces are known |nᵀcF| and |cF| (mm).

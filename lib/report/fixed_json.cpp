@@ -20,8 +20,8 @@ FixedTree FixedOf(const ComparedFigures& plan, const ComparedFigures& fixed) {
   };
   FixedTree json = FixedTree::object();
   for (const FixedFigure& figure : FixedFigures(plan, fixed))
-    json[figure.key] = {{"worst", pair(figure.plan_worst, figure.fixed_worst)},
-                        {"median", pair(figure.plan_median, figure.fixed_median)}};
+    json[figure.key] = {{"worst", pair(figure.plan.worst, figure.fixed.worst)},
+                        {"median", pair(figure.plan.median, figure.fixed.median)}};
   return json;
 }
 

@@ -118,6 +118,12 @@ TEST(PlanJob, ThreadsDoNotChangeAByte) {
         << threads;
 }
 
+TEST(PlanJob, LaidPointsMayGoBeforeProgramsAreMade) {
+  const PlannedJob job = PlanJob(SmallInputs(), NoCheckpoints(), {.threads = 2}, LaidPoints::kGo);
+  EXPECT_EQ(test::BytesOf(job), test::BytesOf(FreshPlan()));
+  EXPECT_EQ(CountPoints(job.prepared.made.toolpath) + CountPoints(job.prepared.toolpath), 0u);
+}
+
 TEST(PlanJob, CheckpointsChangeWhatIsDoneAndNothingElse) {
   const JobInputs inputs = SmallInputs();
   const MemoryCheckpoints kept;

@@ -58,7 +58,7 @@ struct PlannedJob {
 };
 
 /// Whether the milling points that a job was planned from stay in PlannedJob::prepared (`made`, `toolpath`)
-/// once its programs are made. Nothing that is written asks for them, and of 10^6 points they are 0.4 GB.
+/// once it is planned. Neither programs nor reports ask for them, and of 10^6 points they are 0.4 GB.
 enum class LaidPoints : uint8_t { kStay, kGo };
 
 /// Plans a job, whose STEP files are triangles by now (CutStepFiles). Throws InputError for bad input,
