@@ -36,6 +36,7 @@ yaml::Field<Whole> FieldOfPart(const yaml::Field<Part>& field, Part Whole::*part
   yaml::Field<Whole> lifted;
   lifted.info = field.info;
   lifted.schema = field.schema;
+  lifted.keys = field.keys;
   lifted.default_value = field.default_value;
   lifted.read = [read = field.read, part](const yaml::Value& value, const yaml::Context& context,
                                           Whole& whole) { read(value, context, whole.*part); };

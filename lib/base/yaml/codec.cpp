@@ -121,7 +121,7 @@ std::string ShortestIn(const Unit& unit, double inside) {
 Codec<double> Real(const Unit& unit, const Range& range) {
   Codec<double> codec;
   codec.type = NumberType("number", unit, range);
-  codec.schema = NumberSchema("number", range);
+  codec.schema = [range] { return NumberSchema("number", range); };
   codec.read = [unit, range, type = codec.type](const Value& value, const Context& context, double& result) {
     if (value.kind != Value::Kind::kScalar || !value.plain || !IsNumber(value.text))
       return context.AddWrong(value, type + " (written like 1, 1.5 or 1e-5)");
@@ -140,7 +140,7 @@ Codec<T> WholeNumber(double lower, double upper) {
   const Range range = Between(lower, upper);
   Codec<T> codec;
   codec.type = NumberType("integer", kOne, range);
-  codec.schema = NumberSchema("integer", range);
+  codec.schema = [range] { return NumberSchema("integer", range); };
   codec.read = [range, type = codec.type](const Value& value, const Context& context, T& result) {
     const bool integer = value.kind == Value::Kind::kScalar && value.plain && IsNumber(value.text) &&
                          value.text.find_first_of(".eE") == std::string::npos;
@@ -157,8 +157,11 @@ bool IsControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7
 Codec<std::string> TextOf(std::string type, bool lines) {
   Codec<std::string> codec;
   codec.type = std::move(type);
-  codec.schema = codec_detail::SchemaOf("string");
-  if (!lines) codec.schema.Put("minLength", Value::Plain("1"));
+  codec.schema = [lines] {
+    Value schema = codec_detail::SchemaOf("string");
+    if (!lines) schema.Put("minLength", Value::Plain("1"));
+    return schema;
+  };
   codec.read = [type = codec.type, lines](const Value& value, const Context& context, std::string& result) {
     if (value.kind != Value::Kind::kScalar || (value.plain && LooksLikeOtherType(value.text)))
       return context.AddWrong(value, type + " (in quotes when it looks like a number, true or false)");
@@ -191,8 +194,12 @@ Codec<std::string> Lines() { return TextOf("text", true); }
 
 Codec<std::string> FileName() {
   Codec<std::string> codec = TextOf("name that a file can have", false);
-  codec.schema.Put("maxLength", Value::Plain(std::to_string(kLongestName)));
-  codec.schema.Put("pattern", Value::Text(R"(^[^-./\\][^/\\]*$)"));
+  codec.schema = [text = codec.schema] {
+    Value schema = text();
+    schema.Put("maxLength", Value::Plain(std::to_string(kLongestName)));
+    schema.Put("pattern", Value::Text(R"(^[^-./\\][^/\\]*$)"));
+    return schema;
+  };
   codec.read = [text = codec.read](const Value& value, const Context& context, std::string& result) {
     std::string name;
     const size_t problems_before = context.problems.size();
@@ -211,7 +218,7 @@ Codec<std::string> FileName() {
 Codec<bool> Flag() {
   Codec<bool> codec;
   codec.type = "true or false";
-  codec.schema = codec_detail::SchemaOf("boolean");
+  codec.schema = [] { return codec_detail::SchemaOf("boolean"); };
   codec.read = [type = codec.type](const Value& value, const Context& context, bool& result) {
     const bool scalar = value.kind == Value::Kind::kScalar && value.plain;
     if (!scalar || (value.text != "true" && value.text != "false")) return context.AddWrong(value, type);
@@ -224,10 +231,13 @@ Codec<bool> Flag() {
 Codec<std::string> Choice(std::vector<std::string> names) {
   Codec<std::string> codec;
   codec.type = "one of " + fmt::format("{}", fmt::join(names, ", "));
-  codec.schema = codec_detail::SchemaOf("string");
-  Value list = Value::List();
-  for (const std::string& name : names) list.items.push_back(Value::Text(name));
-  codec.schema.Put("enum", list);
+  codec.schema = [names] {
+    Value schema = codec_detail::SchemaOf("string");
+    Value list = Value::List();
+    for (const std::string& name : names) list.items.push_back(Value::Text(name));
+    schema.Put("enum", std::move(list));
+    return schema;
+  };
   codec.read = [names, type = codec.type](const Value& value, const Context& context, std::string& result) {
     if (value.kind == Value::Kind::kScalar && std::ranges::find(names, value.text) != names.end()) {
       result = value.text;
@@ -248,12 +258,12 @@ Value SchemaOf(const std::string& type) {
   return schema;
 }
 
-Value ListSchema(const Value& item, size_t count) {
+Value ListSchema(const Value& item, size_t least, size_t most) {
   Value schema = SchemaOf("array");
   schema.Put("items", item);
-  if (count > 0) {
-    schema.Put("minItems", Value::Plain(std::to_string(count)));
-    schema.Put("maxItems", Value::Plain(std::to_string(count)));
+  if (most > 0) {
+    schema.Put("minItems", Value::Plain(std::to_string(least)));
+    schema.Put("maxItems", Value::Plain(std::to_string(most)));
   }
   return schema;
 }

@@ -96,11 +96,12 @@ class WriteOf {
   WriteAny any_;
 };
 
-/// What a Codec says of its type.
+/// What a Codec says of its type. Reading needs the first alone, so the others are made when they are asked
+/// for.
 struct CodecText {
-  std::string type;             ///< what is allowed, for people: "number > 0, mm"
-  Value schema;                 ///< JSON Schema
-  std::vector<FieldInfo> keys;  ///< of a section
+  std::string type;                              ///< what is allowed, for people: "number > 0, mm"
+  std::function<Value()> schema;                 ///< JSON Schema
+  std::function<std::vector<FieldInfo>()> keys;  ///< of a section; none where it has no keys of its own
 };
 
 /// How values of type T are read, written and described.
@@ -156,7 +157,8 @@ std::string ShortestIn(const Unit& unit, double inside);
 
 namespace codec_detail {
 Value SchemaOf(const std::string& type);
-Value ListSchema(const Value& item, size_t count);
+/// `most` 0: of any length.
+Value ListSchema(const Value& item, size_t least = 0, size_t most = 0);
 /// What is said of a key of earlier versions, by its path; null where it is none.
 const std::string* FormerKey(const std::string& path);
 /// Adds a problem for every key of `map` that is not known, and for every known one that is missing.
@@ -214,10 +216,13 @@ template <class T>
 Codec<std::optional<T>> AutoOr(Codec<T> inner) {
   Codec<std::optional<T>> codec = Maybe(inner);
   codec.type = "auto or " + inner.type;
-  Value automatic = Value::Map();
-  automatic.Put("const", Value::Text("auto"));
-  codec.schema = Value::Map();
-  codec.schema.Put("anyOf", Value::List({automatic, inner.schema}));
+  codec.schema = [schema = inner.schema] {
+    Value automatic = Value::Map();
+    automatic.Put("const", Value::Text("auto"));
+    Value choice = Value::Map();
+    choice.Put("anyOf", Value::List({automatic, schema()}));
+    return choice;
+  };
   codec.read = [type = codec.type, read = codec.read](const Value& value, const Context& context,
                                                       std::optional<T>& result) {
     if (value.kind == Value::Kind::kScalar && value.text == "auto")
@@ -238,7 +243,7 @@ template <class T>
 Codec<std::vector<T>> ListOf(Codec<T> inner) {
   Codec<std::vector<T>> codec;
   codec.type = "list of: " + inner.type;
-  codec.schema = codec_detail::ListSchema(inner.schema, 0);
+  codec.schema = [item = inner.schema] { return codec_detail::ListSchema(item()); };
   codec.keys = inner.keys;
   codec.read = [read = inner.read](const Value& value, const Context& context, std::vector<T>& result) {
     if (value.kind != Value::Kind::kList) return context.AddWrong(value, "a list");
@@ -259,16 +264,25 @@ template <class T>
 Codec<std::map<std::string, T>> MapOf(std::vector<std::string> names, Codec<T> inner) {
   Codec<std::map<std::string, T>> codec;
   codec.type = "map of name to " + inner.type;
-  codec.schema = codec_detail::SchemaOf("object");
-  Value properties = Value::Map();
-  for (const std::string& name : names) {
-    properties.Put(name, inner.schema);
-    codec.keys.push_back({name, inner.type, "", "", false, inner.keys});
-  }
-  if (!names.empty()) codec.schema.Put("properties", properties);
-  codec.schema.Put("additionalProperties", names.empty() ? inner.schema : Value::Plain("false"));
-  codec.read = [known = codec.keys, read = inner.read](const Value& value, const Context& context,
-                                                       std::map<std::string, T>& result) {
+  std::vector<FieldInfo> known;
+  for (const std::string& name : names) known.push_back({name, inner.type, "", "", false, {}});
+  codec.schema = [names, item = inner.schema] {
+    Value schema = codec_detail::SchemaOf("object");
+    Value properties = Value::Map();
+    for (const std::string& name : names) properties.Put(name, item());
+    if (!names.empty()) schema.Put("properties", properties);
+    schema.Put("additionalProperties", names.empty() ? item() : Value::Plain("false"));
+    return schema;
+  };
+  if (!names.empty())
+    codec.keys = [known, keys = inner.keys] {
+      std::vector<FieldInfo> all = known;
+      for (FieldInfo& info : all)
+        if (keys) info.keys = keys();
+      return all;
+    };
+  codec.read = [known, read = inner.read](const Value& value, const Context& context,
+                                          std::map<std::string, T>& result) {
     if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
     if (!known.empty()) codec_detail::CheckKeys(value, context, known);
     result.clear();

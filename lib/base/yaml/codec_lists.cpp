@@ -19,7 +19,7 @@ Codec<Eigen::Matrix<double, N, 1>> NumberList(const Unit& unit, const Range& ran
   const Codec<double> item = Real(unit, range);
   Codec<Numbers> codec;
   codec.type = fmt::format("list of {} numbers{}", N, item.type.substr(std::string_view("number").size()));
-  codec.schema = codec_detail::ListSchema(item.schema, N);
+  codec.schema = [item] { return codec_detail::ListSchema(item.schema(), N, N); };
   codec.read = [item, type = codec.type](const Value& value, const Context& context, Numbers& result) {
     ReadItems(value, context, N, type, item, [&](size_t i) -> double& { return result[i]; });
   };
@@ -58,9 +58,11 @@ Codec<std::array<int, 6>> Signs() {
   const Codec<int> item = Integer(-1, 1);
   Codec<std::array<int, 6>> codec;
   codec.type = "list of 6 signs, each 1 or -1";
-  Value sign = codec_detail::SchemaOf("integer");
-  sign.Put("enum", Value::List({Value::Plain("-1"), Value::Plain("1")}));
-  codec.schema = codec_detail::ListSchema(sign, 6);
+  codec.schema = [] {
+    Value sign = codec_detail::SchemaOf("integer");
+    sign.Put("enum", Value::List({Value::Plain("-1"), Value::Plain("1")}));
+    return codec_detail::ListSchema(sign, 6, 6);
+  };
   codec.read = [item, type = codec.type](const Value& value, const Context& context,
                                          std::array<int, 6>& result) {
     std::array<int, 6> signs{};
@@ -87,7 +89,9 @@ Codec<std::array<Six, 2>> Limits() {
   const std::string pair_type = "[lower, upper] in deg, lower < upper";
   Codec<std::array<Six, 2>> codec;
   codec.type = "list of 6 pairs " + pair_type;
-  codec.schema = codec_detail::ListSchema(codec_detail::ListSchema(angle.schema, 2), 6);
+  codec.schema = [angle] {
+    return codec_detail::ListSchema(codec_detail::ListSchema(angle.schema(), 2, 2), 6, 6);
+  };
   codec.read = [=, type = codec.type](const Value& value, const Context& context,
                                       std::array<Six, 2>& result) {
     if (value.kind != Value::Kind::kList || value.items.size() != 6) return context.AddWrong(value, type);
@@ -118,7 +122,7 @@ Codec<std::pair<std::string, std::string>> NamePair() {
   const Codec<std::string> name = Text();
   Codec<Pair> codec;
   codec.type = "pair of names [first, second]";
-  codec.schema = codec_detail::ListSchema(name.schema, 2);
+  codec.schema = [name] { return codec_detail::ListSchema(name.schema(), 2, 2); };
   codec.read = [name, type = codec.type](const Value& value, const Context& context, Pair& result) {
     ReadItems(value, context, 2, type, name,
               [&](size_t i) -> std::string& { return i == 0 ? result.first : result.second; });

@@ -96,8 +96,8 @@ Value SectionSchema(const std::vector<FieldInfo>& keys, std::vector<Value> schem
     if (!keys[i].required && defaults[i].kind != Value::Kind::kNull) schemas[i].Put("default", defaults[i]);
     properties.Put(keys[i].key, std::move(schemas[i]));
   }
-  schema.Put("properties", properties);
-  if (!required.items.empty()) schema.Put("required", required);
+  schema.Put("properties", std::move(properties));
+  if (!required.items.empty()) schema.Put("required", std::move(required));
   std::vector<Value> conditions;
   for (auto& [others, list] : unless) {
     Value choice = Value::List();
@@ -122,16 +122,10 @@ AnyField MakeField(std::string key, AnyCodec codec, std::string doc, const void*
   AnyField field;
   field.read = std::move(codec.read);
   field.write = std::move(codec.write);
-  FieldText& text = field.text;
-  text.info = {std::move(key), std::move(codec.text.type), "", std::move(doc),
-               false,          std::move(codec.text.keys)};
-  text.schema = std::move(codec.text.schema);
-  text.schema.Put("description", Value::Text(text.info.doc));
-  text.default_value = field.write(defaults);
-  // What a section has by default stands at its keys.
-  const Value::Kind kind = text.default_value.kind;
-  if (kind == Value::Kind::kScalar || (text.info.keys.empty() && kind != Value::Kind::kNull))
-    text.info.default_text = WriteYamlLine(text.default_value);
+  field.text = {{std::move(key), std::move(codec.text.type), "", std::move(doc), false, {}},
+                std::move(codec.text.schema),
+                std::move(codec.text.keys),
+                [write = field.write, defaults] { return write(defaults); }};
   return field;
 }
 
@@ -146,25 +140,51 @@ AnyCodec Placed(AnyCodec codec, void* (*place)(void*)) {
   return codec;
 }
 
-AnyCodec SectionOf(std::vector<AnyField> fields, ReadAny check) {
-  AnyCodec section;
-  section.text.type = "map";
+namespace {
+
+Value DefaultOf(const FieldText& text) { return text.default_value ? text.default_value() : Value(); }
+
+/// With the keys below it and its default as text; what a section has by default stands at its keys.
+FieldInfo WholeInfo(const FieldText& text) {
+  FieldInfo info = text.info;
+  if (text.keys) info.keys = text.keys();
+  const Value value = DefaultOf(text);
+  if (value.kind == Value::Kind::kScalar || (!text.keys && value.kind != Value::Kind::kNull))
+    info.default_text = WriteYamlLine(value);
+  return info;
+}
+
+Value SchemaOfFields(const std::vector<AnyField>& fields) {
+  std::vector<FieldInfo> keys;
   std::vector<Value> schemas, defaults;
-  for (AnyField& field : fields) {
-    defaults.push_back(field.text.info.keys.empty() ? std::move(field.text.default_value) : Value());
-    schemas.push_back(std::move(field.text.schema));
-    section.text.keys.push_back(field.text.info);
-    field.text.info.keys.clear();
+  for (const AnyField& field : fields) {
+    keys.push_back(field.text.info);
+    schemas.push_back(field.text.DescribedSchema());
+    defaults.push_back(field.text.keys ? Value() : DefaultOf(field.text));
   }
-  section.text.schema = SectionSchema(section.text.keys, std::move(schemas), defaults);
+  return SectionSchema(keys, std::move(schemas), defaults);
+}
+
+}  // namespace
+
+AnyCodec SectionOf(std::vector<AnyField> fields, ReadAny check) {
   // Shared: sections lie in sections, and each would copy all that is below it.
   const auto kept = std::make_shared<const std::vector<AnyField>>(std::move(fields));
-  const auto keys = std::make_shared<const std::vector<FieldInfo>>(section.text.keys);
-  section.read = [kept, keys, check = std::move(check)](const Value& value, const Context& context,
-                                                        void* settings) {
+  AnyCodec section;
+  section.text.type = "map";
+  section.text.schema = [kept] { return SchemaOfFields(*kept); };
+  section.text.keys = [kept] {
+    std::vector<FieldInfo> keys;
+    for (const AnyField& field : *kept) keys.push_back(WholeInfo(field.text));
+    return keys;
+  };
+  section.read = [kept, check = std::move(check)](const Value& value, const Context& context,
+                                                  void* settings) {
     const size_t problems_before = context.problems.size();
     if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
-    CheckKeys(value, context, *keys);
+    std::vector<FieldInfo> keys;
+    for (const AnyField& field : *kept) keys.push_back(field.text.info);
+    CheckKeys(value, context, keys);
     for (const AnyField& field : *kept)
       if (const Value* item = value.Find(field.text.info.key))
         field.read(*item, context.Child(field.text.info.key), settings);
@@ -184,6 +204,12 @@ AnyCodec SectionOf(std::vector<AnyField> fields, ReadAny check) {
 }  // namespace millpose::yaml::codec_detail
 
 namespace millpose::yaml {
+
+Value FieldText::DescribedSchema() const {
+  Value described = schema();
+  described.Put("description", Value::Text(info.doc));
+  return described;
+}
 
 Codec<PoseSettings> PoseFields() {
   using S = PoseSettings;

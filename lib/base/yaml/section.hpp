@@ -12,9 +12,13 @@ namespace millpose::yaml {
 
 /// A key of a section: what it is called, says and stands for.
 struct FieldText {
-  FieldInfo info;
-  Value schema;
-  Value default_value;
+  FieldInfo info;  ///< without the keys below it; its default_text is what DefaultText() was given
+  std::function<Value()> schema;                 ///< as CodecText::schema
+  std::function<std::vector<FieldInfo>()> keys;  ///< as CodecText::keys
+  std::function<Value()> default_value;          ///< none where there is none
+
+  /// The schema with the key's description.
+  Value DescribedSchema() const;
 };
 
 /// A key of a section whose settings are an S.
@@ -43,7 +47,7 @@ struct Field : FieldText {
   /// What the reference page says in place of the struct's own default.
   Field DefaultText(std::string text) && {
     info.default_text = std::move(text);
-    default_value = Value();
+    default_value = nullptr;
     return std::move(*this);
   }
 };
@@ -149,23 +153,30 @@ template <class S, class Kind>
 Codec<S> OneOf(Kind S::*kind, std::vector<Alternative<S, Kind>> choices) {
   Codec<S> codec;
   codec.type = "map with one key";
-  codec.schema = codec_detail::SchemaOf("object");
-  Value properties = Value::Map();
-  std::string allowed;
-  for (const auto& [name, value, choice] : choices) {
-    properties.Put(name, choice.schema);
-    codec.keys.push_back({name, choice.type, "", "", false, choice.keys});
-    allowed += (allowed.empty() ? "" : ", ") + name;
-  }
-  codec.schema.Put("properties", properties);
-  codec.schema.Put("minProperties", Value::Plain("1"));
-  codec.schema.Put("maxProperties", Value::Plain("1"));
-  codec.schema.Put("additionalProperties", Value::Plain("false"));
+  std::vector<FieldInfo> known;
+  for (const auto& [name, value, choice] : choices) known.push_back({name, choice.type, "", "", false, {}});
   const auto kept = std::make_shared<const std::vector<Alternative<S, Kind>>>(std::move(choices));
-  const auto keys = std::make_shared<const std::vector<FieldInfo>>(codec.keys);
-  codec.read = [kind, kept, allowed, keys](const Value& value, const Context& context, S& result) {
+  codec.schema = [kept] {
+    Value schema = codec_detail::SchemaOf("object");
+    Value properties = Value::Map();
+    for (const auto& [name, value, choice] : *kept) properties.Put(name, choice.schema());
+    schema.Put("properties", properties);
+    schema.Put("minProperties", Value::Plain("1"));
+    schema.Put("maxProperties", Value::Plain("1"));
+    schema.Put("additionalProperties", Value::Plain("false"));
+    return schema;
+  };
+  codec.keys = [kept, known] {
+    std::vector<FieldInfo> keys = known;
+    for (size_t i = 0; i < keys.size(); ++i) keys[i].keys = (*kept)[i].section.keys();
+    return keys;
+  };
+  codec.read = [kind, kept, known](const Value& value, const Context& context, S& result) {
+    std::vector<std::string> names;
+    for (const FieldInfo& info : known) names.push_back(info.key);
+    const std::string allowed = fmt::format("{}", fmt::join(names, ", "));
     if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "one of the keys " + allowed);
-    codec_detail::CheckKeys(value, context, *keys);
+    codec_detail::CheckKeys(value, context, known);
     if (value.items.size() != 1)
       return context.Add(value.mark,
                          fmt::format("given {} keys; allowed: one of {}", value.items.size(), allowed));

@@ -17,7 +17,7 @@ struct Change {
 Codec<Change> AnyValue() {
   Codec<Change> codec;
   codec.type = "value of that key";
-  codec.schema = Value::Map();
+  codec.schema = Value::Map;
   codec.read = [](const Value& value, const Context& context, Change& result) {
     result = {WriteYamlLine(value), {context.file, value.mark.line, value.mark.column}};
   };

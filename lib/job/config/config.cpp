@@ -44,7 +44,7 @@ void Apply(const Override& change, config::Value* root) {
   place->mark = {};
 }
 
-// A file of another kind is reported as such, not key by key. The first key of each table says the kind.
+// A file of another kind is reported as such, not key by key. Its version key says the kind.
 void RefuseOtherKind(const config::Value& root, const std::string& name, const std::string& own_key) {
   static const std::map<std::string, std::string> kKinds{{"millpose_job", "job"},
                                                          {"millpose_cell", "cell"},
@@ -85,16 +85,17 @@ S Settings(const config::Codec<S>& fields, const config::Value& root, const std:
 }
 
 template <class S>
-S Parse(const config::Codec<S>& fields, std::string_view yaml, const std::string& name) {
+S Parse(const config::Codec<S>& fields, const std::string& own_key, std::string_view yaml,
+        const std::string& name) {
   std::vector<Problem> problems;
-  S settings = Settings(fields, ReadRoot(fields.keys.front().key, yaml, name), name, problems);
+  S settings = Settings(fields, ReadRoot(own_key, yaml, name), name, problems);
   if (!problems.empty()) ThrowInOrder(std::move(problems));
   return settings;
 }
 
 config::Value JobRoot(std::string_view yaml, const std::string& name,
                       const std::vector<Override>& overrides) {
-  return ReadRoot(config::JobFields().keys.front().key, yaml, name, overrides);
+  return ReadRoot("millpose_job", yaml, name, overrides);
 }
 
 std::vector<std::string> NamesOf(const config::Value& root, const std::string& name) {
@@ -194,15 +195,15 @@ Override ParseOverride(const std::string& text) {
 }
 
 CellSettings ParseCell(std::string_view yaml, const std::string& name) {
-  return Parse(config::CellFields(), yaml, name);
+  return Parse(config::CellFields(), "millpose_cell", yaml, name);
 }
 
 ToolsFile ParseTools(std::string_view yaml, const std::string& name) {
-  return Parse(config::ToolsFileFields(), yaml, name);
+  return Parse(config::ToolsFileFields(), "millpose_tools", yaml, name);
 }
 
 BatchSettings ParseBatch(std::string_view yaml, const std::string& name) {
-  return Parse(config::BatchFields(), yaml, name);
+  return Parse(config::BatchFields(), "millpose_batch", yaml, name);
 }
 
 std::string WriteJob(const JobSettings& job) { return config::WriteYaml(config::JobFields().write(job)); }
@@ -211,12 +212,12 @@ std::string WriteCell(const CellSettings& cell) {
   return config::WriteYaml(config::CellFields().write(cell));
 }
 
-std::string JobSchema() { return Schema(config::JobFields().schema, "millpose job"); }
+std::string JobSchema() { return Schema(config::JobFields().schema(), "millpose job"); }
 
-std::string BatchSchema() { return Schema(config::BatchFields().schema, "millpose batch"); }
+std::string BatchSchema() { return Schema(config::BatchFields().schema(), "millpose batch"); }
 
-std::string ToolsSchema() { return Schema(config::ToolsFileFields().schema, "millpose tools"); }
+std::string ToolsSchema() { return Schema(config::ToolsFileFields().schema(), "millpose tools"); }
 
-std::string CellSchema() { return Schema(config::CellFields().schema, "millpose cell"); }
+std::string CellSchema() { return Schema(config::CellFields().schema(), "millpose cell"); }
 
 }  // namespace millpose

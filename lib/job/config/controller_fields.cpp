@@ -57,17 +57,24 @@ Codec<std::map<std::string, ControllerOptions>> ControllersFields() {
   using Controllers = std::map<std::string, ControllerOptions>;
   Codec<Controllers> codec;
   codec.type = "map of name to map";
-  codec.schema = codec_detail::SchemaOf("object");
-  Value properties = Value::Map();
-  std::vector<Known> all;
-  for (const PostEntry& entry : Posts().entries()) {
-    properties.Put(entry.name, entry.section.schema);
-    codec.keys.push_back({entry.name, entry.section.type, "", "", false, entry.section.keys});
-    all.push_back({entry.name, entry.section.keys});
-  }
-  codec.schema.Put("properties", properties);
-  codec.schema.Put("additionalProperties", Value::Plain("false"));
-  codec.read = [all, known = codec.keys](const Value& value, const Context& context, Controllers& result) {
+  codec.schema = [] {
+    Value schema = codec_detail::SchemaOf("object");
+    Value properties = Value::Map();
+    for (const PostEntry& entry : Posts().entries()) properties.Put(entry.name, entry.section.schema());
+    schema.Put("properties", properties);
+    schema.Put("additionalProperties", Value::Plain("false"));
+    return schema;
+  };
+  codec.keys = [] {
+    std::vector<FieldInfo> keys;
+    for (const PostEntry& entry : Posts().entries())
+      keys.push_back({entry.name, entry.section.type, "", "", false, entry.section.keys()});
+    return keys;
+  };
+  codec.read = [keys = codec.keys](const Value& value, const Context& context, Controllers& result) {
+    const std::vector<FieldInfo> known = keys();
+    std::vector<Known> all;
+    for (const FieldInfo& controller : known) all.push_back({controller.key, controller.keys});
     if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
     codec_detail::CheckKeys(value, context, known);
     result.clear();

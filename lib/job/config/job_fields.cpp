@@ -228,7 +228,11 @@ const Codec<JobSettings>& JobFields() {
     all.push_back(SetupsField(kOwn));
     all.push_back(OperationsField(kOwn));
     Codec<S> job = Section<S>(std::move(all), Check);
-    LeaveToOperations(job.schema);
+    job.schema = [whole = job.schema] {
+      Value schema = whole();
+      LeaveToOperations(schema);
+      return schema;
+    };
     return job;
   }();
   return fields;

@@ -96,21 +96,6 @@ std::string ToolOfOperation(const Value& root, size_t number) {
 }  // namespace
 
 Field<JobSettings> OperationsField(const std::vector<Field<JobSettings>>& fields) {
-  Value properties = Value::Map();
-  Value name = Value::Map();
-  name.Put("type", Value::Text("string"));
-  name.Put("pattern", Value::Text("^[A-Za-z][A-Za-z0-9_-]*$"));
-  properties.Put("name", name);
-  properties.Put("setup", name);
-  for (const Field<JobSettings>& field : fields)
-    if (std::ranges::find(kSections, field.info.key) != kSections.end())
-      properties.Put(field.info.key,
-                     field.info.key == "toolpath" ? field.schema : WithoutRequired(field.schema));
-  Value operation = Value::Map();
-  operation.Put("type", Value::Text("object"));
-  operation.Put("properties", properties);
-  operation.Put("required", Value::List({Value::Text("name")}));
-  operation.Put("additionalProperties", Value::Plain("false"));
   Field<JobSettings> field;
   field.info = {
       "operations",
@@ -118,13 +103,26 @@ Field<JobSettings> OperationsField(const std::vector<Field<JobSettings>>& fields
       "",
       "One after the other on the same part, each planned as a job of its own (docs/operations.md).",
       false,
-      OperationKeys()};
-  field.schema = Value::Map();
-  field.schema.Put("type", Value::Text("array"));
-  field.schema.Put("items", operation);
-  field.schema.Put("minItems", Value::Plain("1"));
-  field.schema.Put("maxItems", Value::Plain(std::to_string(kMost)));
-  field.schema.Put("description", Value::Text(field.info.doc));
+      {}};
+  field.keys = OperationKeys;
+  field.schema = [fields] {
+    Value properties = Value::Map();
+    Value name = Value::Map();
+    name.Put("type", Value::Text("string"));
+    name.Put("pattern", Value::Text("^[A-Za-z][A-Za-z0-9_-]*$"));
+    properties.Put("name", name);
+    properties.Put("setup", name);
+    for (const Field<JobSettings>& own : fields)
+      if (std::ranges::find(kSections, own.info.key) != kSections.end())
+        properties.Put(own.info.key, own.info.key == "toolpath" ? own.DescribedSchema()
+                                                                : WithoutRequired(own.DescribedSchema()));
+    Value operation = Value::Map();
+    operation.Put("type", Value::Text("object"));
+    operation.Put("properties", properties);
+    operation.Put("required", Value::List({Value::Text("name")}));
+    operation.Put("additionalProperties", Value::Plain("false"));
+    return codec_detail::ListSchema(operation, 1, kMost);
+  };
   field.read = [](const Value&, const Context&, JobSettings&) {};
   field.write = [](const JobSettings&) { return Value(); };
   return field;

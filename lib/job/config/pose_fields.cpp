@@ -118,23 +118,26 @@ Codec<Objective> ObjectiveFields() {
     const ParameterRule* rule = RuleOf(objective, key);
     return rule && !rule->words.empty() ? WordOf(rule->words) : number;
   };
-  std::vector<FieldInfo> rows{{"name", name.type, "", "Name of the objective.", false, {}, "expression"},
-                              {"expression",
-                               text.type,
-                               "",
-                               "An objective spelled by named indices (docs/objective-expression.md).",
-                               false,
-                               {}}};
-  std::vector<Value> schemas{name.schema, text.schema};
-  for (const ObjectiveEntry& entry : Objectives().entries())
-    for (const ParameterRule& rule : entry.parameters) {
-      if (rule.words.empty() || std::ranges::find(rows, rule.name, &FieldInfo::key) != rows.end()) continue;
-      const Codec<double> word = WordOf(rule.words);
-      rows.push_back({rule.name, word.type, "", rule.doc, false, {}});
-      schemas.push_back(word.schema);
-    }
-  codec.schema = codec_detail::SectionSchema(rows, schemas, std::vector<Value>(rows.size()));
-  codec.schema.items.back() = number.schema;  // additionalProperties
+  codec.schema = [=] {
+    std::vector<FieldInfo> rows{{"name", name.type, "", "Name of the objective.", false, {}, "expression"},
+                                {"expression",
+                                 text.type,
+                                 "",
+                                 "An objective spelled by named indices (docs/objective-expression.md).",
+                                 false,
+                                 {}}};
+    std::vector<Value> schemas{name.schema(), text.schema()};
+    for (const ObjectiveEntry& entry : Objectives().entries())
+      for (const ParameterRule& rule : entry.parameters) {
+        if (rule.words.empty() || std::ranges::find(rows, rule.name, &FieldInfo::key) != rows.end()) continue;
+        const Codec<double> word = WordOf(rule.words);
+        rows.push_back({rule.name, word.type, "", rule.doc, false, {}});
+        schemas.push_back(word.schema());
+      }
+    Value schema = codec_detail::SectionSchema(rows, schemas, std::vector<Value>(rows.size()));
+    schema.items.back() = number.schema();  // additionalProperties
+    return schema;
+  };
   codec.read = [=](const Value& value, const Context& context, Objective& result) {
     if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
     if (value.Find("expression")) return ReadExpression(value, context, result);

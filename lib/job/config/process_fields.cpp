@@ -12,7 +12,11 @@ namespace {
 Codec<std::string> MaterialName() {
   Codec<std::string> codec = Text();
   codec.type = "name or number of a material";
-  codec.schema.Put("type", Value::List({Value::Text("string"), Value::Text("number")}));
+  codec.schema = [text = codec.schema] {
+    Value schema = text();
+    schema.Put("type", Value::List({Value::Text("string"), Value::Text("number")}));
+    return schema;
+  };
   codec.read = [text = codec.read](const Value& value, const Context& context, std::string& result) {
     if (value.kind == Value::Kind::kScalar && value.plain && ParseNumber(value.text))
       result = value.text;

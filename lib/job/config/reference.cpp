@@ -90,10 +90,10 @@ std::string YamlReference() {
       "written like 1, 1.5 or 1e-5; file names are relative to the file that names them. Unknown and "
       "duplicate\nkeys, anchors, aliases, tags and quoted text over several lines are errors. What several "
       "places have alike\nstands once; the others name it.\n";
-  AddTable("Job", config::JobFields().keys, out);
-  AddTable("Cell", config::CellFields().keys, out);
-  AddTable("Tools file", config::ToolsFileFields().keys, out);
-  AddTable("Batch manifest", config::BatchFields().keys, out);
+  AddTable("Job", config::JobFields().keys(), out);
+  AddTable("Cell", config::CellFields().keys(), out);
+  AddTable("Tools file", config::ToolsFileFields().keys(), out);
+  AddTable("Batch manifest", config::BatchFields().keys(), out);
   return out;
 }
 

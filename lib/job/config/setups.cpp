@@ -133,29 +133,27 @@ const Value* SetupNamed(const Value& root, const std::string& name) {
 Field<JobSettings> SetupsField(const std::vector<Field<JobSettings>>& fields) {
   const auto workpiece = std::ranges::find_if(
       fields, [](const Field<JobSettings>& field) { return field.info.key == "workpiece"; });
-  Value properties = Value::Map();
-  Value name = Value::Map();
-  name.Put("type", Value::Text("string"));
-  name.Put("pattern", Value::Text("^[A-Za-z][A-Za-z0-9_-]*$"));
-  properties.Put("name", name);
-  for (const std::string& key : kPlaceKeys)
-    properties.Put(key, *workpiece->schema.Find("properties")->Find(key));
-  Value setup = Value::Map();
-  setup.Put("type", Value::Text("object"));
-  setup.Put("properties", properties);
-  setup.Put("required", Value::List({Value::Text("name")}));
-  setup.Put("additionalProperties", Value::Plain("false"));
   Field<JobSettings> field;
   field.info = {
       "setups", "list of maps",
       "",       "Where the part stands, one after the other; each operation names its own (docs/setups.md).",
-      false,    SetupKeys()};
-  field.schema = Value::Map();
-  field.schema.Put("type", Value::Text("array"));
-  field.schema.Put("items", setup);
-  field.schema.Put("minItems", Value::Plain("1"));
-  field.schema.Put("maxItems", Value::Plain(std::to_string(kMostSetups)));
-  field.schema.Put("description", Value::Text(field.info.doc));
+      false,    {}};
+  field.keys = SetupKeys;
+  field.schema = [workpiece = workpiece->schema] {
+    const Value whole = workpiece();
+    Value properties = Value::Map();
+    Value name = Value::Map();
+    name.Put("type", Value::Text("string"));
+    name.Put("pattern", Value::Text("^[A-Za-z][A-Za-z0-9_-]*$"));
+    properties.Put("name", name);
+    for (const std::string& key : kPlaceKeys) properties.Put(key, *whole.Find("properties")->Find(key));
+    Value setup = Value::Map();
+    setup.Put("type", Value::Text("object"));
+    setup.Put("properties", properties);
+    setup.Put("required", Value::List({Value::Text("name")}));
+    setup.Put("additionalProperties", Value::Plain("false"));
+    return codec_detail::ListSchema(setup, 1, kMostSetups);
+  };
   field.read = [](const Value& value, const Context& context, JobSettings&) {
     context.Add(value.mark, "has no effect without operations");
   };

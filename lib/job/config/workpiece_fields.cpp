@@ -38,7 +38,9 @@ Codec<Eigen::Matrix<double, 6, 6>> CovarianceFields() {
   const auto codec_at = [by_turns](int i, int j) { return by_turns[(i >= 3 ? 1 : 0) + (j >= 3 ? 1 : 0)]; };
   Codec<Eigen::Matrix<double, 6, 6>> codec;
   codec.type = fmt::format("list of {} numbers", kTriangle);
-  codec.schema = codec_detail::ListSchema(by_turns[0].schema, kTriangle);
+  codec.schema = [shift = by_turns[0].schema] {
+    return codec_detail::ListSchema(shift(), kTriangle, kTriangle);
+  };
   codec.read = [codec_at](const Value& value, const Context& context, Eigen::Matrix<double, 6, 6>& result) {
     if (value.kind != Value::Kind::kList || value.items.size() != kTriangle)
       return context.AddWrong(value, fmt::format("a list of {} numbers", kTriangle));
@@ -99,7 +101,7 @@ Codec<std::vector<double>> ModeRowsFields() {
   };
   Codec<std::vector<double>> codec;
   codec.type = "list of numbers";
-  codec.schema = codec_detail::ListSchema(shifts.schema, 0);
+  codec.schema = [shift = shifts.schema] { return codec_detail::ListSchema(shift()); };
   codec.read = [codec_at](const Value& value, const Context& context, std::vector<double>& result) {
     if (value.kind != Value::Kind::kList) return context.AddWrong(value, "a list of numbers");
     result.clear();

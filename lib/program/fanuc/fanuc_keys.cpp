@@ -33,7 +33,7 @@ Codec<std::array<int, 3>> TurnAxes() {
   const Codec<std::vector<int>> list = ListOf(Integer(1, 6));
   Codec<std::array<int, 3>> codec;
   codec.type = "list of 3 axes 1…6, each once";
-  codec.schema = codec_detail::ListSchema(Integer(1, 6).schema, 3);
+  codec.schema = [] { return codec_detail::ListSchema(Integer(1, 6).schema(), 3, 3); };
   codec.read = [list, type = codec.type](const Value& value, const Context& context,
                                          std::array<int, 3>& axes) {
     const size_t problems_before = context.problems.size();

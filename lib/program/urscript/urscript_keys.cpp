@@ -10,7 +10,6 @@ PostEntry UrScriptEntry() {
   using S = UrScriptOptions;
   SharedKey acceleration = PathAccelerationKey();
   acceleration.info.doc = "`a` of the motions in cuts, also for the estimate of the speed (0.5 by default).";
-  *acceleration.schema.Find("description") = Value::Text(acceleration.info.doc);
   return EntryOf<UrScriptPost>(
       {ToolAxisKey(), AxisSignsKey(), AxisOffsetsKey(),
        Key<S>("cut_motion", MILLPOSE_AT(movel), ChoiceOf<bool>({{"movep", false}, {"movel", true}}),

@@ -87,7 +87,7 @@ TEST(FreedomEntry, MakesItsFreedomWhereTheKeyIsGiven) {
   EXPECT_EQ(entry.name, "lift");
   EXPECT_TRUE(entry.leans);
   EXPECT_EQ(entry.key->info.key, "lift_mm");
-  EXPECT_EQ(entry.key->info.keys.at(0).key, "most");
+  EXPECT_EQ(entry.key->keys().at(0).key, "most");
   OpenToolpath toolpath;
   EXPECT_EQ(entry.key->write(toolpath).kind, yaml::Value::Kind::kNull) << "left out of the resolved job";
   EXPECT_FALSE(toolpath.Leans());

@@ -65,8 +65,11 @@ Codec<LeanSetting> LeanFields() {
   Codec<LeanSetting> codec;
   codec.type = number.type + ", or a map";
   codec.keys = map.keys;
-  codec.schema = Value::Map();
-  codec.schema.Put("anyOf", Value::List({number.schema, map.schema}));
+  codec.schema = [number, map] {
+    Value schema = Value::Map();
+    schema.Put("anyOf", Value::List({number.schema(), map.schema()}));
+    return schema;
+  };
   codec.read = [number, map](const Value& value, const Context& context, LeanSetting& lean) {
     if (value.kind != Value::Kind::kMap) {
       lean.range.reset();
