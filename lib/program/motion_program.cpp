@@ -318,7 +318,7 @@ Pose BaseOnPart(const MotionProgram& program, const ExternalPosition& external) 
 
 Pose FrameAt(const MotionProgram& program, size_t i, double share) {
   const Motion& motion = program.motions[i];
-  const Pose X_BP = *FrameOf(program, motion);
+  Pose X_BP = *FrameOf(program, motion);
   if (!motion.X_BP_begin || share >= 1) return X_BP;
   if (share <= 0) return *motion.X_BP_begin;
   // Carried by the axes as the cell has them, the frame is one and the same on the part; a controller that

@@ -28,7 +28,7 @@ AllAxes OverlapOf(const MotionProgram& program, size_t i, const OverlapCorner& c
 
 Pose FrameBeside(const MotionProgram& program, size_t i, const ExternalPosition& off) {
   const Motion& motion = program.motions[i];
-  const Pose X_BP = *FrameOf(program, motion);
+  Pose X_BP = *FrameOf(program, motion);
   if (off.empty()) return X_BP;
   ExternalPosition there = motion.external;
   for (size_t k = 0; k < there.size(); ++k) there[k] += off[k];

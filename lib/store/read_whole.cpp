@@ -37,7 +37,9 @@ Standing StandingIn(const std::filesystem::path& path) {
   return standing;
 }
 
-// What a reader is about to open must be of this folder.
+constexpr const char* kUnpacked = "plan.cbor";  // how earlier versions named the plan
+
+// What a reader is about to open must be of this folder and of this version.
 void RefuseOthers(const std::filesystem::path& path) {
   std::error_code none;
   if (!std::filesystem::is_directory(path, none)) return;
@@ -45,6 +47,9 @@ void RefuseOthers(const std::filesystem::path& path) {
   for (const std::string& name : folder.Names())
     if (IsPlanName(name) && folder.KindOf(name) == Folder::Kind::kOther)
       folder.Read(name);  // says what it is
+  if (folder.KindOf(kUnpacked) == Folder::Kind::kFile && folder.KindOf(kPlanFile) == Folder::Kind::kNothing)
+    throw InputError({(path / kUnpacked).string()},
+                     "is of an earlier version; allowed: the folder planned again by this one");
 }
 
 }  // namespace
@@ -70,6 +75,11 @@ void ReadWhole(const std::filesystem::path& folder, const std::function<void()>&
   throw InputError({folder.string()},
                    "is being replaced by another run, or was when that was ended; try again later, or plan "
                    "again, which finishes it");
+}
+
+PlanResult ReadPlanIn(const std::filesystem::path& folder, const FileRoot& root) {
+  const std::filesystem::path file = folder / kPlanFile;
+  return ParsePlanFile(root.Read(file), file.string());
 }
 
 }  // namespace millpose

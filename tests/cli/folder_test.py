@@ -209,6 +209,14 @@ class Folder(InFolder):
             result = subprocess.run([MILLPOSE, "schema", "job"], stdout=full, stderr=subprocess.PIPE, text=True)
             self.assertEqual((result.returncode, result.stderr), (2, "millpose: cannot write to standard output\n"))
 
+    def test_a_folder_of_an_earlier_version_is_said_to_be_one(self):
+        out = self.planned_once()
+        (out / "plan.cbor.gz").rename(out / "plan.cbor")
+        for words in (("verify", out), ("face", out), ("report", out, "--html", self.folder / "sheet.html"), ("diff", out, out)):
+            result = run(*words)
+            self.assertEqual(result.returncode, 2, words)
+            self.assertIn("plan.cbor: is of an earlier version; allowed: the folder planned again by this one", result.stderr, words)
+
     def test_memory_that_runs_out_is_said_plainly(self):
         fine = ("check", TOP / "toolpaths/cabin_pocket/job.yaml", "--set", "workpiece.stock.resolution_mm=0.1")
         result = subprocess.run([MILLPOSE, *fine], capture_output=True, text=True,

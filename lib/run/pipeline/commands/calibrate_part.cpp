@@ -8,9 +8,8 @@
 #include "job/assemble.hpp"
 #include "planning/result/station.hpp"
 #include "report/deflection.hpp"
+#include "run/pipeline/commands/plan_folder.hpp"
 #include "run/pipeline/outputs/write_results.hpp"
-#include "store/output_folder.hpp"
-#include "store/read_whole.hpp"
 
 namespace millpose {
 namespace {
@@ -68,26 +67,13 @@ void NumberPlaces(const std::vector<Vector3d>& places, std::vector<FaceReading>&
 
 }  // namespace
 
-std::pair<PlanResult, JobInputs> ReadMeasuredPlan(const CalibrateArguments& arguments) {
-  std::pair<PlanResult, JobInputs> read;
-  arguments.root.CheckFolder(arguments.plan);
-  ReadWhole(arguments.plan, [&] {
-    RefuseSeveral(arguments.plan);
-    const std::filesystem::path plan_file = arguments.plan / kPlanFile;
-    read.first = ParsePlanFile(arguments.root.Read(plan_file), plan_file.string());
-    std::optional<std::filesystem::path> origin;
-    if (arguments.job) origin = std::filesystem::absolute(*arguments.job).parent_path();
-    read.second = LoadJobInputs(arguments.plan / "job.yaml", {}, origin, arguments.root);
-  });
-  return read;
-}
-
 CalibratedPart CalibratePart(const CalibrateArguments& arguments) {
   constexpr double kMillimetre = 1e-3, kMost = 1e5;  // µm to mm; µm
   const std::string name = arguments.measured.string();
   const CsvTable table =
       ReadCsv(arguments.root.Read(arguments.measured), name, {{"x_mm", "y_mm", "z_mm", "error_um"}, {}});
-  const auto [plan, inputs] = ReadMeasuredPlan(arguments);
+  const auto& [plan, inputs, summary] =
+      ReadPlanFolder(arguments.plan, arguments.job, arguments.root, PlanFiles::kAsTheyStand);
   const std::vector<PlaceOfReading> face = FaceOf(plan, inputs);
   if (face.empty())
     throw InputError({arguments.plan.string()},

@@ -31,7 +31,4 @@ struct CalibratedPart {
 /// be read and for readings that lie more than a cutter's diameter from every point.
 CalibratedPart CalibratePart(const CalibrateArguments& arguments);
 
-/// The plan that a part was milled by, and its job, of one set. Throws InputError.
-std::pair<PlanResult, JobInputs> ReadMeasuredPlan(const CalibrateArguments& arguments);
-
 }  // namespace millpose

@@ -12,6 +12,7 @@
 #include "report/samples/sample_curves.hpp"
 #include "run/pipeline/outputs/write_results.hpp"
 #include "run/pipeline/programs/make_programs.hpp"
+#include "store/read_whole.hpp"
 #include "toolpath/lean_law.hpp"
 
 namespace millpose {
@@ -202,7 +203,7 @@ PointStory TellPoint(const std::filesystem::path& folder, size_t number) {
   cell.bodies.clear();  // the objective knows no bodies
   const Cell bare = MakeCell(cell, {});
   const Stations stations(World(bare), AtOwnAxis(MakePoseProblem(job, cell, bare)));
-  const PlanResult plan = ParsePlanFile(ReadFile(folder / kPlanFile), (folder / kPlanFile).string());
+  const PlanResult plan = ReadPlanIn(folder, FileRoot());
   size_t pass = 0, point = number;
   while (pass < plan.passes.size() && point >= plan.passes[pass].points.size())
     point -= plan.passes[pass++].points.size();

@@ -8,6 +8,7 @@
 #include "job/measured_map.hpp"
 #include "planning/result/gear_course.hpp"
 #include "planning/result/station.hpp"
+#include "run/pipeline/commands/plan_folder.hpp"
 #include "run/pipeline/outputs/write_results.hpp"
 
 namespace millpose {
@@ -136,7 +137,8 @@ std::string VerdictOf(const MappedPart& part) {
 }  // namespace
 
 MappedPart MapPart(const CalibrateArguments& arguments, const std::optional<std::filesystem::path>& second) {
-  const auto [plan, inputs] = ReadMeasuredPlan(arguments);
+  const auto& [plan, inputs, summary] =
+      ReadPlanFolder(arguments.plan, arguments.job, arguments.root, PlanFiles::kAsTheyStand);
   const std::vector<std::vector<MilledPlace>> places = PlacesOnPart(plan, inputs);
   const MappedFace face(plan, places, FinishedFrom(inputs.job, plan.passes.size()));
   if (face.empty()) throw InputError({arguments.plan.string()}, "the plan cuts nothing");

@@ -36,8 +36,7 @@ PlanFolder ReadPlanFolder(const std::filesystem::path& folder,
   ReadWhole(folder, [&] {
     RefuseSeveral(folder);
     if (files == PlanFiles::kAsWritten) CheckOwnFiles(folder, root);
-    const std::filesystem::path plan_file = folder / kPlanFile;
-    read.plan = ParsePlanFile(root.Read(plan_file), plan_file.string());
+    read.plan = ReadPlanIn(folder, root);
     read.summary = root.Read(folder / "summary.json");
     std::optional<std::filesystem::path> origin;
     if (job) origin = std::filesystem::absolute(*job).parent_path();

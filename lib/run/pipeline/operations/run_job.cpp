@@ -14,6 +14,7 @@
 #include "run/pipeline/outputs/run_record.hpp"
 #include "run/pipeline/outputs/up_to_date.hpp"
 #include "store/output_folder.hpp"
+#include "store/read_whole.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -38,8 +39,7 @@ bool AnyHasStock(const std::vector<JobInputs>& inputs) {
 }
 
 PlanResult StagedPlan(const ResultSet& results, const std::string& operation, const FileRoot& root) {
-  const fs::path file = results.staged() / kOperationsFolder / operation / kPlanFile;
-  return ParsePlanFile(root.Read(file), file.string());
+  return ReadPlanIn(results.staged() / kOperationsFolder / operation, root);
 }
 
 /// Each planned into `whole`, which is null where only a share is.

@@ -16,7 +16,7 @@
 #include "run/pipeline/programs/make_programs.hpp"
 #include "run/pipeline/programs/program_files.hpp"
 #include "run/pipeline/programs/start_programs.hpp"
-#include "store/output_folder.hpp"
+#include "store/read_whole.hpp"
 
 namespace millpose {
 namespace {
@@ -57,8 +57,8 @@ PlannedFolder::PlannedFolder(fs::path folder, Manifest manifest, const VerifyArg
       manifest_(std::move(manifest)),
       arguments_(arguments),
       execution_(std::move(execution)) {
-  const fs::path plan_file = folder_ / kPlanFile, ways_file = folder_ / kStartWays;
-  plan_ = ParsePlanFile(arguments.root.Read(plan_file), plan_file.string());
+  const fs::path ways_file = folder_ / kStartWays;
+  plan_ = ReadPlanIn(folder_, arguments.root);
   if (fs::exists(ways_file)) ways_ = ParsePlanResult(arguments.root.Read(ways_file), ways_file.string());
   inputs_ = InputsOf(folder_, arguments);
   world_ = std::make_unique<World>(MakeJobCell(inputs_));
