@@ -7,6 +7,7 @@ import json
 import re
 import shutil
 import subprocess
+import tempfile
 import unittest
 import xml.etree.ElementTree as Xml
 
@@ -14,6 +15,7 @@ import stiffness_test
 from cli_fixture import MILLPOSE, TOP, InFolder
 from terminal import Terminal
 
+tempfile.tempdir = "/tmp"  # paths that messages name must fit into 80 columns
 NEEDED = ("tmux", "weasyprint", "pdfinfo", "pdftotext")
 # The sample's face in a few points, for walks in which the plan is not what is looked at.
 FEW = ("--set", "toolpath.stepover_mm=30", "--set", "toolpath.spacing_mm=20")
