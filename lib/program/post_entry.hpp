@@ -34,10 +34,7 @@ struct PostSection {
 template <class Whole, class Part>
 yaml::Field<Whole> FieldOfPart(const yaml::Field<Part>& field, Part Whole::*part) {
   yaml::Field<Whole> lifted;
-  lifted.info = field.info;
-  lifted.schema = field.schema;
-  lifted.keys = field.keys;
-  lifted.default_value = field.default_value;
+  static_cast<yaml::FieldText&>(lifted) = field;
   lifted.read = [read = field.read, part](const yaml::Value& value, const yaml::Context& context,
                                           Whole& whole) { read(value, context, whole.*part); };
   lifted.write = [write = field.write, part](const Whole& whole) { return write(whole.*part); };

@@ -72,6 +72,7 @@ class Stages:
 class Container(unittest.TestCase):
     def test_what_the_container_file_makes_plans_a_sample(self):
         self.assertEqual(os.geteuid(), 0, "debootstrap and chroot need root")
+        # A root of gigabytes, with devices: nothing for memory.
         with tempfile.TemporaryDirectory(prefix="millpose_container_", dir="/var/tmp") as folder:
             stages = Stages(pathlib.Path(folder))
             for line in (TOP / "docs" / "Containerfile").read_text().splitlines():

@@ -104,6 +104,11 @@ struct CodecText {
   std::function<std::vector<FieldInfo>()> keys;  ///< of a section; none where it has no keys of its own
 };
 
+/// What `keys` (CodecText::keys) makes; nothing where it is none.
+inline std::vector<FieldInfo> KeysOf(const std::function<std::vector<FieldInfo>()>& keys) {
+  return keys ? keys() : std::vector<FieldInfo>();
+}
+
 /// How values of type T are read, written and described.
 template <class T>
 struct Codec : CodecText {
@@ -277,8 +282,7 @@ Codec<std::map<std::string, T>> MapOf(std::vector<std::string> names, Codec<T> i
   if (!names.empty())
     codec.keys = [known, keys = inner.keys] {
       std::vector<FieldInfo> all = known;
-      for (FieldInfo& info : all)
-        if (keys) info.keys = keys();
+      for (FieldInfo& info : all) info.keys = KeysOf(keys);
       return all;
     };
   codec.read = [known, read = inner.read](const Value& value, const Context& context,

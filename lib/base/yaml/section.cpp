@@ -147,7 +147,7 @@ Value DefaultOf(const FieldText& text) { return text.default_value ? text.defaul
 /// With the keys below it and its default as text; what a section has by default stands at its keys.
 FieldInfo WholeInfo(const FieldText& text) {
   FieldInfo info = text.info;
-  if (text.keys) info.keys = text.keys();
+  info.keys = KeysOf(text.keys);
   const Value value = DefaultOf(text);
   if (value.kind == Value::Kind::kScalar || (!text.keys && value.kind != Value::Kind::kNull))
     info.default_text = WriteYamlLine(value);

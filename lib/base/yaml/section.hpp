@@ -168,7 +168,7 @@ Codec<S> OneOf(Kind S::*kind, std::vector<Alternative<S, Kind>> choices) {
   };
   codec.keys = [kept, known] {
     std::vector<FieldInfo> keys = known;
-    for (size_t i = 0; i < keys.size(); ++i) keys[i].keys = (*kept)[i].section.keys();
+    for (size_t i = 0; i < keys.size(); ++i) keys[i].keys = KeysOf((*kept)[i].section.keys);
     return keys;
   };
   codec.read = [kind, kept, known](const Value& value, const Context& context, S& result) {

@@ -68,7 +68,7 @@ Codec<std::map<std::string, ControllerOptions>> ControllersFields() {
   codec.keys = [] {
     std::vector<FieldInfo> keys;
     for (const PostEntry& entry : Posts().entries())
-      keys.push_back({entry.name, entry.section.type, "", "", false, entry.section.keys()});
+      keys.push_back({entry.name, entry.section.type, "", "", false, KeysOf(entry.section.keys)});
     return keys;
   };
   codec.read = [keys = codec.keys](const Value& value, const Context& context, Controllers& result) {

@@ -67,5 +67,9 @@ Codec<std::map<std::string, ControllerOptions>> ControllersFields();
 /// What several tables use.
 /// Name of a unit of length; mm per unit in the settings.
 Codec<double> LengthUnit();
+/// JSON Schema of the name of an operation or a setup.
+Value WordSchema();
+/// JSON Schema of a list of 1 to `most` maps with these properties, of which `name` is required.
+Value NamedMapsSchema(const Value& properties, size_t most);
 
 }  // namespace millpose::config

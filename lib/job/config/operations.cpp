@@ -107,21 +107,13 @@ Field<JobSettings> OperationsField(const std::vector<Field<JobSettings>>& fields
   field.keys = OperationKeys;
   field.schema = [fields] {
     Value properties = Value::Map();
-    Value name = Value::Map();
-    name.Put("type", Value::Text("string"));
-    name.Put("pattern", Value::Text("^[A-Za-z][A-Za-z0-9_-]*$"));
-    properties.Put("name", name);
-    properties.Put("setup", name);
+    properties.Put("name", WordSchema());
+    properties.Put("setup", WordSchema());
     for (const Field<JobSettings>& own : fields)
       if (std::ranges::find(kSections, own.info.key) != kSections.end())
         properties.Put(own.info.key, own.info.key == "toolpath" ? own.DescribedSchema()
                                                                 : WithoutRequired(own.DescribedSchema()));
-    Value operation = Value::Map();
-    operation.Put("type", Value::Text("object"));
-    operation.Put("properties", properties);
-    operation.Put("required", Value::List({Value::Text("name")}));
-    operation.Put("additionalProperties", Value::Plain("false"));
-    return codec_detail::ListSchema(operation, 1, kMost);
+    return NamedMapsSchema(properties, kMost);
   };
   field.read = [](const Value&, const Context&, JobSettings&) {};
   field.write = [](const JobSettings&) { return Value(); };

@@ -142,17 +142,9 @@ Field<JobSettings> SetupsField(const std::vector<Field<JobSettings>>& fields) {
   field.schema = [workpiece = workpiece->schema] {
     const Value whole = workpiece();
     Value properties = Value::Map();
-    Value name = Value::Map();
-    name.Put("type", Value::Text("string"));
-    name.Put("pattern", Value::Text("^[A-Za-z][A-Za-z0-9_-]*$"));
-    properties.Put("name", name);
+    properties.Put("name", WordSchema());
     for (const std::string& key : kPlaceKeys) properties.Put(key, *whole.Find("properties")->Find(key));
-    Value setup = Value::Map();
-    setup.Put("type", Value::Text("object"));
-    setup.Put("properties", properties);
-    setup.Put("required", Value::List({Value::Text("name")}));
-    setup.Put("additionalProperties", Value::Plain("false"));
-    return codec_detail::ListSchema(setup, 1, kMostSetups);
+    return NamedMapsSchema(properties, kMostSetups);
   };
   field.read = [](const Value& value, const Context& context, JobSettings&) {
     context.Add(value.mark, "has no effect without operations");

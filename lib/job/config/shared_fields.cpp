@@ -32,4 +32,18 @@ Codec<double> LengthUnit() {
   return codec;
 }
 
+Value WordSchema() {
+  Value schema = codec_detail::SchemaOf("string");
+  schema.Put("pattern", Value::Text("^[A-Za-z][A-Za-z0-9_-]*$"));
+  return schema;
+}
+
+Value NamedMapsSchema(const Value& properties, size_t most) {
+  Value map = codec_detail::SchemaOf("object");
+  map.Put("properties", properties);
+  map.Put("required", Value::List({Value::Text("name")}));
+  map.Put("additionalProperties", Value::Plain("false"));
+  return codec_detail::ListSchema(map, 1, most);
+}
+
 }  // namespace millpose::config
