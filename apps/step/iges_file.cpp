@@ -133,7 +133,7 @@ SourceFace Described(const IgesFaces& entities, const Handle(IGESData_IGESModel)
   SourceFace source = DescribeFace(face);
   if (!entities.IsBound(as_read)) return source;
   const Handle(IGESData_IGESEntity)& entity = entities.Find(as_read);
-  source.id = "#" + std::to_string(model->DNum(entity));
+  source.id = fmt::format("#{}", model->DNum(entity));
   if (entity->HasName()) source.name = entity->NameValue()->ToCString();
   return source;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step_file.hpp"
 
+#include <fmt/format.h>
+
 #include <Interface_Static.hxx>
 #include <NCollection_DataMap.hxx>
 #include <STEPControl_Reader.hxx>
@@ -59,7 +61,7 @@ SourceFace Described(const STEPControl_Reader& reader, const FaceEntities& entit
   if (!entities.IsBound(face.TShape())) return source;
   const Handle(Standard_Transient)& entity = entities.Find(face.TShape());
   const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(reader.Model());
-  if (!model.IsNull()) source.id = "#" + std::to_string(model->IdentLabel(entity));
+  if (!model.IsNull()) source.id = fmt::format("#{}", model->IdentLabel(entity));
   const Handle(StepRepr_RepresentationItem) item = Handle(StepRepr_RepresentationItem)::DownCast(entity);
   if (!item.IsNull() && !item->Name().IsNull()) source.name = item->Name()->ToCString();
   if (source.name == "NONE") source.name.clear();  // what writers put where there is none

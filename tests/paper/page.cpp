@@ -3,6 +3,7 @@
 
 #include <Eigen/SVD>
 
+#include "base/decompositions.hpp"
 #include "base/trig.hpp"
 
 namespace millpose {
@@ -13,9 +14,9 @@ using Eigen::Vector3d;
 Closure Close(const Arm& arm) {
   Matrix3d mean = Matrix3d::Zero();
   for (const Joints& q : kTable6) mean += ForwardFlange(arm, q).linear() / 5;
-  const Eigen::JacobiSVD<Matrix3d> svd(mean, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Matrix3d V = SingularOf3(mean).V;
   Closure closure;
-  closure.axis = svd.matrixV().col(0) * (svd.matrixV()(0, 0) < 0 ? -1 : 1);
+  closure.axis = V.col(0) * (V(0, 0) < 0 ? -1 : 1);
   const Vector3d common = (mean * closure.axis).normalized();
   Eigen::Matrix<double, 16, 6> A;  // R·t − c = −p for every pose
   Eigen::Matrix<double, 16, 1> b;
@@ -30,8 +31,7 @@ Closure Close(const Arm& arm) {
   // Along the common axis the closures say nothing: the tip is taken 250 mm before the flange's origin.
   A.row(15) << 1e3 * closure.axis.transpose(), 0, 0, 0;
   b[15] = 1e3 * -250;
-  const Eigen::VectorXd x =
-      Eigen::JacobiSVD<Eigen::MatrixXd>(A, Eigen::ComputeThinU | Eigen::ComputeThinV).solve(b);
+  const Eigen::VectorXd x = LeastSquares(A, b);
   closure.tip = x.head<3>();
   closure.tip_rms = std::sqrt((A * x - b).head<15>().squaredNorm() / 5);
   return closure;

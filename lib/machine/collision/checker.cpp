@@ -134,6 +134,14 @@ struct Checker::Impl {
     return {world->bodies[pair.first].name, world->bodies[pair.second].name, found.ends, found.distance};
   }
 
+  /// What is known of a body during the motion that is looked at.
+  struct Moved {
+    bool here = false;  ///< placed; of what was divided from longer motions few bodies are asked about
+    double ball = -1;   ///< BallMoves(), mm
+    std::optional<std::array<double, 7>> bounds;  ///< MotionBounds(), mm
+  };
+  std::vector<Moved> moved;  ///< a body each
+
   /// What may settle a pair.
   enum class Proof : uint8_t { kBoxes, kDistance };
 
@@ -268,12 +276,7 @@ std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, con
   PlaceLinks(middle);
   const JointAxes axes = AxesOf(X_WL);
   const Joints most = MostTurnOf(world->cell, half_turn);
-  struct Moved {
-    bool here = false;  ///< placed; of what was divided from longer motions few bodies are asked about
-    double ball = -1;   ///< BallMoves()
-    std::optional<std::array<double, 7>> bounds;
-  };
-  std::vector<Moved> moved(placed.size());
+  moved.assign(placed.size(), {});
   for (int index : pairs) {
     const BodyPair& pair = world->pairs[index];
     const WorldBody& body = world->bodies[pair.second];
@@ -289,9 +292,9 @@ std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, con
     const double motion = (*bounds)[world->bodies[pair.first].link];
     // What settles the pair for the whole motion: even the worst movement leaves clearance − resolution.
     const double wanted = std::max(clearance, clearance - resolution + motion);
-    const Gap gap = proof == Proof::kDistance                            ? Compare(pair, clearance, wanted)
-                    : BoxesApart(placed[pair.first], at, wanted + kSure) ? Gap::kWide
-                                                                         : Gap::kOpen;
+    const Gap gap = proof == Proof::kDistance       ? Compare(pair, clearance, wanted)
+                    : IsApart(pair, wanted + kSure) ? Gap::kWide
+                                                    : Gap::kOpen;
     if (gap == Gap::kTooNear) return ContactCandidate{middle, index, std::min(wanted, clearance + kNearby)};
     if (gap == Gap::kOpen) undecided.push_back(index);
   }
@@ -330,6 +333,7 @@ std::optional<ContactCandidate> Checker::Impl::BlockedBetween(const Joints& q0, 
   // One question, however often the motion is halved: that may depend on bodies that no answer tells of.
   ++counts.poses;
   Look(q0, q1, tube);
+  if (pairs.empty()) return std::nullopt;
   // Halving from the whole motion down: most pairs are settled by one look at its middle.
   std::vector<Interval> open{{0, 1, pairs}};
   while (!open.empty()) {

@@ -181,7 +181,7 @@ std::string MapToCsv(const MapRequest& request, const std::vector<MapPoint>& poi
     if (at.reached) {
       text += fmt::format(",{},{},{}", ShortestNumber(at.value), ShortestNumber(RadToDeg(at.rotation)),
                           at.branch);
-      for (int k = 0; k < 6; ++k) text += "," + ShortestNumber(RadToDeg(at.q[k]));
+      for (int k = 0; k < 6; ++k) text += fmt::format(",{}", ShortestNumber(RadToDeg(at.q[k])));
     } else {
       text += ",,,,,,,,,";
     }

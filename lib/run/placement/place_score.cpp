@@ -8,9 +8,9 @@
 #include "job/assemble.hpp"
 #include "machine/collision/point_memory.hpp"
 #include "machine/robot/make_pose.hpp"
+#include "planning/ladder/branch_ladder.hpp"
 #include "planning/links/retract.hpp"
 #include "planning/pose/lean_problem.hpp"
-#include "run/placement/branch_ladder.hpp"
 #include "run/placement/sample.hpp"
 
 namespace millpose {

@@ -4,9 +4,9 @@
 
 #include <array>
 
+#include "planning/ladder/scored_point.hpp"
 #include "run/pipeline/stages/plan_job.hpp"
 #include "run/placement/place_space.hpp"
-#include "run/placement/scored_point.hpp"
 
 namespace millpose {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "run/placement/scored_point.hpp"
+#include "planning/ladder/scored_point.hpp"
 
 namespace millpose {
 

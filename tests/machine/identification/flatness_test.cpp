@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "base/decompositions.hpp"
 #include "base/random.hpp"
 #include "machine/identification/minimum_zone.hpp"
 #include "tests/base/tier.hpp"
@@ -45,11 +46,11 @@ TEST(Flatness, LeastSquaresPlaneAgreesWithTheCovariance) {
     for (const Vector3d& point : points) mean += point / 8;
     Matrix3d covariance = Matrix3d::Zero();
     for (const Vector3d& point : points) covariance += (point - mean) * (point - mean).transpose() / 8;
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance);
-    EXPECT_LT(found->normal.cross(solver.eigenvectors().col(0)).norm(), 1e-9);
+    const EigenPairs3 pairs = EigenOfSymmetric3(covariance);
+    EXPECT_LT(found->normal.cross(pairs.vectors.col(0)).norm(), 1e-9);
     EXPECT_EQ(found->normal.maxCoeff(), found->normal.cwiseAbs().maxCoeff());
-    EXPECT_NEAR(found->rms, std::sqrt(solver.eigenvalues()[0]), 1e-9);
-    EXPECT_NEAR(found->flatness, Extent(points, solver.eigenvectors().col(0)), 1e-8);
+    EXPECT_NEAR(found->rms, std::sqrt(pairs.values[0]), 1e-9);
+    EXPECT_NEAR(found->flatness, Extent(points, pairs.vectors.col(0)), 1e-8);
     EXPECT_LE(found->minimum_zone, found->flatness * (1 + 1e-12));
     EXPECT_NEAR(found->minimum_zone, Extent(points, found->zone_normal), 1e-9);
   }

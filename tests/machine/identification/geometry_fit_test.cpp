@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "machine/identification/geometry_fit.hpp"
 
+#include "base/decompositions.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "machine/motion/rotation_vector.hpp"
@@ -196,10 +197,8 @@ TEST(GeometryFit, TakesTheGeometryOutOfAFace) {
           off[at] = n.dot(TrueFlange(drawn.arm, drawn.deviations, *q) * tip - place);
           rows.row(at) << n.transpose(), ((place - Vector3d(2100, 0, 900)) / 300).cross(n).transpose();
         }
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> frame(rows);
-      frame.setThreshold(1e-6);
-      frame.compute(rows);
-      return (off - rows * frame.solve(off)).cwiseAbs().maxCoeff();
+      const Eigen::VectorXd left = off - rows * LeastSquares(rows, off, 1e-6);
+      return left.cwiseAbs().maxCoeff();
     };
     before.push_back(worst(nullptr));
     after.push_back(worst(&many.deviations()));

@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "base/decompositions.hpp"
 #include "tests/machine/robot/arms.hpp"
 #include "tests/machine/stiffness/random_vectors.hpp"
 
@@ -25,7 +26,7 @@ TEST(Compliance, IsSymmetricPositiveAndInvertsTheStiffness) {
     const Matrix6 J = Jacobian(arm, RandomJoints(stream), Vector3d(-250, 0, 250));
     const Matrix6 C = Compliance(J, arm.stiffness);
     EXPECT_EQ((C - C.transpose()).norm(), 0);
-    EXPECT_GT((Eigen::SelfAdjointEigenSolver<Matrix3d>(C.topLeftCorner<3, 3>()).eigenvalues()[0]), 0);
+    EXPECT_GT(EigenOfSymmetric3(C.topLeftCorner<3, 3>()).values[0], 0);
     const Matrix6 inverse = J.inverse();
     const Matrix6 K = inverse.transpose() * arm.stiffness.asDiagonal() * inverse;  // eq. 8
     const Matrix6 product = J.transpose() * K * C * inverse.transpose();           // free of the units' mix
@@ -70,8 +71,7 @@ TEST(Indices, AreTheSectionOfTheEllipsoid) {
     const PlaneBasis basis = BasisOfPlane(n);
     Eigen::Matrix<double, 3, 2> B;
     B << basis.first, basis.second;
-    const Eigen::Vector2d e =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(B.transpose() * M * B).eigenvalues();
+    const Eigen::VectorXd e = EigenOfSymmetric(B.transpose() * M * B).values;
     EXPECT_NEAR(indices->lambda_t1 * std::sqrt(e[0]), 1, 1e-6);
     EXPECT_NEAR(indices->lambda_t2 * std::sqrt(e[1]), 1, 1e-6);
     EXPECT_NEAR(indices->lambda_n * std::sqrt(n.dot(M * n)), 1, 1e-6);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/decompositions.hpp"
 #include "base/rotation.hpp"
 #include "tests/program/sample_plan.hpp"
 
@@ -152,10 +153,7 @@ TEST(ErringPath, FollowsTheArmAsItIsAgainstThePartAsItMeasuresIt) {
     rows.row(i) << n.transpose(), at.cross(n).transpose() / 1000;
     off[i] = n.dot(moved.back());
   }
-  Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(1e-9);
-  const Eigen::VectorXd frame = svd.solve(off);
-  const Eigen::VectorXd left = off - rows * frame;
+  const Eigen::VectorXd left = off - rows * LeastSquares(rows, off, 1e-9);
   ASSERT_EQ(own.size(), 16u);
   EXPECT_GT(off.cwiseAbs().maxCoeff(), 0.1);
   for (size_t i = 0; i < own.size(); ++i) {

@@ -5,6 +5,7 @@
 
 #include <Eigen/SVD>
 
+#include "base/decompositions.hpp"
 #include "base/units.hpp"
 #include "planning/pose/scorer.hpp"
 
@@ -54,7 +55,7 @@ inline double MeasuredDexterity(const PoseProblem& problem, const Joints& q) {
     J.col(j) << (after.translation() - before.translation()) / (2 * kStep) / problem.characteristic_length,
         turn(2, 1), turn(0, 2), turn(1, 0);
   }
-  const Eigen::VectorXd s = Eigen::JacobiSVD<Eigen::MatrixXd>(Eigen::MatrixXd(J)).singularValues();
+  const Eigen::VectorXd s = SingularValues(J);
   return 6 / std::sqrt(s.squaredNorm() * s.cwiseInverse().squaredNorm());
 }
 

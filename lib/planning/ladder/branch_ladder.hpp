@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "machine/robot/arm.hpp"
+#include "planning/ladder/scored_point.hpp"
 #include "planning/pose/candidate_table.hpp"
-#include "run/placement/scored_point.hpp"
 
 namespace millpose {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/placement/branch_ladder.hpp"
+#include "planning/ladder/branch_ladder.hpp"
 
 #include <tuple>
 
@@ -8,7 +8,7 @@ namespace {
 
 constexpr size_t kMostLooks = 64;  // at one point for interference, from its best candidate on
 constexpr size_t kReach = 6;       // rotation steps between neighbouring sampled points
-constexpr double kNone = std::numeric_limits<double>::infinity();
+constexpr double kUnreached = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -20,11 +20,11 @@ std::array<BranchScore, 8> PromisesOf(const std::vector<CandidateTable>& tables)
   std::array<BranchScore, 8> promises;
   for (const CandidateTable& table : tables) {
     std::array<double, 8> least;
-    least.fill(kNone);
+    least.fill(kUnreached);
     for (const CandidateTable::Entry& entry : table.entries())
       least[entry.branch] = std::min(least[entry.branch], entry.objective);
     for (size_t branch = 0; branch < 8; ++branch) {
-      if (least[branch] == kNone) continue;
+      if (least[branch] == kUnreached) continue;
       ++promises[branch].free;
       promises[branch].worst = std::max(promises[branch].worst, least[branch]);
     }
@@ -35,8 +35,8 @@ std::array<BranchScore, 8> PromisesOf(const std::vector<CandidateTable>& tables)
 /// Of a way to a node: what cannot be reached comes last.
 struct BranchLadder::Cost {
   size_t breaks = std::numeric_limits<size_t>::max();
-  double worst = kNone, sum = kNone;
-  bool any() const { return worst < kNone; }
+  double worst = kUnreached, sum = kUnreached;
+  bool any() const { return worst < kUnreached; }
   bool operator<(const Cost& other) const {
     return std::tie(breaks, worst, sum) < std::tie(other.breaks, other.worst, other.sum);
   }
@@ -92,7 +92,7 @@ bool BranchLadder::AllAre(bool Node::*what, const std::vector<Choice>& chosen, c
     node.*what = look(t, node, setting);
     if (node.*what) continue;
     all = false;
-    node.objective = kNone;
+    node.objective = kUnreached;
     layers_[t].blocked = true;
   }
   return all;
@@ -122,7 +122,7 @@ BranchScore BranchLadder::Score(const Looks& look, const std::optional<BranchSco
 std::vector<BranchLadder::Choice> BranchLadder::Choose() const {
   std::vector<size_t> used;
   for (size_t t = 0; t < layers_.size(); ++t)
-    if (std::ranges::any_of(layers_[t].nodes, [](const Node& node) { return node.objective < kNone; }))
+    if (std::ranges::any_of(layers_[t].nodes, [](const Node& node) { return node.objective < kUnreached; }))
       used.push_back(t);
   std::vector<Choice> chosen(layers_.size());
   if (used.empty()) return chosen;
@@ -135,7 +135,7 @@ std::vector<BranchLadder::Choice> BranchLadder::Choose() const {
     const std::vector<size_t> near = CheapestNear(before);
     for (size_t s = 0; s < count; ++s) {
       now[s] = {};
-      if (nodes[s].objective == kNone) continue;
+      if (nodes[s].objective == kUnreached) continue;
       size_t best = u == 0 ? s : BestBefore(before, near[s], used[u - 1], used[u], s);
       const bool broken = best == kNoSetting || before[least].breaks + 1 < before[best].breaks;
       if (broken) best = least;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/placement/branch_ladder.hpp"
+#include "planning/ladder/branch_ladder.hpp"
 
 #include <map>
 
