@@ -108,7 +108,7 @@ struct ReportInputs {
   std::optional<RegistrationFigures> registration;  ///< where `millpose register` found the part's place
   std::optional<StockFigures> stock;                ///< where the job has a raw part
   std::optional<LostMotionReport> lost_motion;      ///< of every plan
-  std::optional<Budget> budget;                     ///< likewise
+  std::optional<Budget> budget;                     ///< where a face is cut or a force is stated
   std::vector<FaceChoice> faces;                    ///< where whole ways are judged by the face
   const FixedComparison* fixed = nullptr;           ///< beside the best fixed rotation; outlives this
   std::optional<PoseSteps> steps;                   ///< when the cell says how well the tool is known

@@ -179,7 +179,7 @@ class SummaryWriter {
 
   std::string Sources() const {
     std::string html = Head("What the face may be off by");
-    double sum = 0, largest = 0;
+    double sum = 0;
     std::vector<const SummarySource*> stated;
     std::vector<std::string> missing;
     for (const SummarySource& source : sheet_.sources) {
@@ -189,11 +189,8 @@ class SummaryWriter {
       }
       stated.push_back(&source);
       sum += *source.um;
-      largest = std::max(largest, *source.um);
     }
-    // In drilled holes, which have no face, lost motion is stated and 0.
-    if (sheet_.sources.empty() || (!stated.empty() && largest <= 0))
-      return html + "<p>" + Text("No face is cut.") + "</p>\n";
+    if (sheet_.sources.empty()) return html + "<p>" + Text("No face is cut.") + "</p>\n";
     if (stated.empty())
       return html + "<p>" + Text("of its error nothing is stated (docs/budget.md)") + "</p>\n";
     std::ranges::stable_sort(stated, std::greater(), [](const SummarySource* one) { return *one->um; });

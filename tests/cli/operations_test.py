@@ -92,6 +92,7 @@ class Operations(InFolder):
         own = [json.loads((self.out / "operations" / folder / "summary.json").read_text()) for folder in FOLDERS]
         self.assertEqual([operation["summary"] for operation in summary["operations"]], own)
         self.assertEqual([operation["tool"] for operation in summary["operations"]], ["mill_d20", "mill_d20", "drill_d5"])
+        self.assertEqual([s["budget"] is None for s in own], [False, False, True])  # drilled holes are no face
         self.assertEqual(summary["points"]["total"], sum(s["points"]["total"] for s in own))
         self.assertEqual(summary["clearance_min_mm"], min(s["clearance_min_mm"] for s in own))
         self.assertEqual(summary["stiffness"]["lambda_n"]["worst"], max(s["stiffness"]["lambda_n"]["worst"] for s in own))

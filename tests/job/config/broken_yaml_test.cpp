@@ -384,16 +384,13 @@ TEST(BrokenYaml, ManyUnknownKeysAreToldQuickly) {
 
 // Columns were counted from the line's begin for every value: 200,000 in one line took 36 s.
 TEST(BrokenYaml, ALongListCostsInProportion) {
-  const auto seconds = [](size_t count) {
-    std::string list = "[";
-    for (size_t i = 0; i < count; ++i) list += "1,";
-    list.back() = ']';
-    const std::clock_t start = std::clock();
-    EXPECT_EQ(yaml::ReadYaml(list, "x.yaml").items.size(), count);
-    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-  };
-  const double few = std::min(seconds(20000), seconds(20000));
-  EXPECT_LT(seconds(80000), 8 * few + 0.05);  // 16 times were it quadratic
+  constexpr size_t kCount = 200000;
+  std::string list = "[";
+  for (size_t i = 0; i < kCount; ++i) list += "1,";
+  list.back() = ']';
+  const std::clock_t start = std::clock();
+  EXPECT_EQ(yaml::ReadYaml(list, "x.yaml").items.size(), kCount);
+  EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 5.0);
 }
 
 TEST(BrokenYaml, ColumnsAfterALongLineAreThoseOfCharacters) {

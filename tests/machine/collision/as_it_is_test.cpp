@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <functional>
+
 #include "base/random.hpp"
 #include "machine/collision/world.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
@@ -63,14 +65,13 @@ TEST(AsItIs, BodiesHangOnTheTrueLinks) {
   EXPECT_GT(most, 1);  // else the test would see nothing
 }
 
-// The motion bounds know on which axes the true links turn: what is free along a motion is free in its poses.
-TEST(AsItIs, MotionsFoundFreeAreFreeAllAlong) {
-  RandomStream stream(32, 0);
+/// What is found free along a motion is free in all its poses; `draw`: an arm as it is, anew each time.
+void ExpectFreeAllAlong(RandomStream& stream, const std::function<ArmDeviations()>& draw) {
   const Cell cell = WithPart();
   constexpr double kResolution = 0.5;  // mm
   int free = 0, blocked = 0;
   for (int round = 0; round < 60; ++round) {
-    const World own(AsItIs(cell, Drawn(stream, 5, 5e-3)));
+    const World own(AsItIs(cell, draw()));
     Checker checker(own), dense(own, 1, kResolution + 1e-6);
     const Joints from = DrawnNear(stream, 0.1), to = DrawnNear(stream, 0.1);
     if (checker.Between(from, to, Phase::kFree, kResolution)) {
@@ -83,6 +84,12 @@ TEST(AsItIs, MotionsFoundFreeAreFreeAllAlong) {
   }
   EXPECT_GT(free, 5);
   EXPECT_GT(blocked, 5);
+}
+
+// The motion bounds know on which axes the true links turn.
+TEST(AsItIs, MotionsFoundFreeAreFreeAllAlong) {
+  RandomStream stream(32, 0);
+  ExpectFreeAllAlong(stream, [&] { return Drawn(stream, 5, 5e-3); });
 }
 
 /// Steeper than any gear: joints go by a tenth of their turn more, or less.
@@ -109,28 +116,14 @@ TEST(AsItIs, BodiesHangWhereTheLawOfTheJointsHasThem) {
   EXPECT_GT(most, 1);
 }
 
-// Joints that go farther than their controller has them: what is free along a motion is free all along.
+// Joints go farther than their controller has them.
 TEST(AsItIs, MotionsFoundFreeAreFreeAllAlongWhereJointsRunAhead) {
   RandomStream stream(35, 0);
-  const Cell cell = WithPart();
-  constexpr double kResolution = 0.5;  // mm
-  int free = 0, blocked = 0;
-  for (int round = 0; round < 60; ++round) {
+  ExpectFreeAllAlong(stream, [&] {
     ArmDeviations turned;
     turned.law = Steep(stream);
-    const World own(AsItIs(cell, turned));
-    Checker checker(own), dense(own, 1, kResolution + 1e-6);
-    const Joints from = DrawnNear(stream, 0.1), to = DrawnNear(stream, 0.1);
-    if (checker.Between(from, to, Phase::kFree, kResolution)) {
-      ++blocked;
-      continue;
-    }
-    ++free;
-    for (int i = 0; i <= 100; ++i)
-      EXPECT_FALSE(dense.At(from + 0.01 * i * (to - from), Phase::kFree)) << round << ' ' << i;
-  }
-  EXPECT_GT(free, 5);
-  EXPECT_GT(blocked, 5);
+    return turned;
+  });
 }
 
 TEST(AsItIs, WithoutDeviationsNothingChanges) {

@@ -12,35 +12,18 @@
 #include "planning/result/station.hpp"
 #include "program/verify/coordinated_path.hpp"
 #include "program/verify/stations.hpp"
-#include "tests/program/station_plan.hpp"
-#include "tests/program/verify/sample_cell.hpp"
+#include "tests/program/verify/written_stations.hpp"
 
 namespace millpose {
 namespace {
 
 using Eigen::Vector3d;
 
-struct Coordinated {
+struct Coordinated : WrittenStations {
   Coordinated(const std::string& variant, const std::string& axes) : Coordinated(variant, RidePlan(axes)) {}
   Coordinated(const std::string& variant, PlanResult given)
-      : plan(std::move(given)), post(variant, plan, true) {
-    program = MakeMotionProgram(plan, SampleFeeds());
-    program.frames_checked = ControllerOf(variant) == "krl";
-    files = post.Write(program, plan.arm);
-    name = files.rbegin()->first;
-    text = files.rbegin()->second;
-  }
+      : WrittenStations(variant, std::move(given), true) {}
 
-  MotionProgram Read(const std::string& edited) const {
-    ProgramFiles other = files;
-    other[name] = edited;
-    return post.post->Read(other, plan.arm, post.settings);
-  }
-  std::vector<Finding> Findings(const std::string& edited, bool with_plan = true) const {
-    VerifyOptions options = SampleOptions(plan);
-    options.interference = interference;
-    return Verify(Read(edited), World(cell), with_plan ? &program : nullptr, options, {.threads = 2});
-  }
   /// The findings of an edited text by line, or what its reader refuses.
   std::vector<std::pair<int, std::string>> Said(const std::string& edited, bool with_plan = true) const {
     std::vector<std::pair<int, std::string>> said;
@@ -60,14 +43,6 @@ struct Coordinated {
     }
     return all;
   }
-
-  PlanResult plan;
-  StationPost post;
-  MotionProgram program;
-  ProgramFiles files;
-  std::string name, text;
-  Cell cell = SampleCell(plan);
-  bool interference = true;
 };
 
 const std::vector<std::string> kVariants = {"krl", "sinumerik", "sinumerik_euler", "linuxcnc",

@@ -10,37 +10,19 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "machine/robot/kinematics.hpp"
-#include "tests/program/station_plan.hpp"
-#include "tests/program/verify/sample_cell.hpp"
+#include "tests/program/verify/written_stations.hpp"
 
 namespace millpose {
 namespace {
 
 using Eigen::Vector3d;
 
-/// The text of a program that a test changes, read back and verified.
-struct Station {
+struct Station : WrittenStations {
   Station(const std::string& variant, const std::string& axes, bool coupled)
       : Station(variant, StationPlan(axes), coupled) {}
   Station(const std::string& variant, PlanResult given, bool coupled)
-      : plan(std::move(given)), post(variant, plan, coupled) {
-    program = MakeMotionProgram(plan, SampleFeeds());
-    program.frames_checked = ControllerOf(variant) == "krl";
-    files = post.Write(program, plan.arm);
-    name = files.rbegin()->first;
-    text = files.rbegin()->second;
-  }
+      : WrittenStations(variant, std::move(given), coupled) {}
 
-  MotionProgram Read(const std::string& edited) const {
-    ProgramFiles other = files;
-    other[name] = edited;
-    return post.post->Read(other, plan.arm, post.settings);
-  }
-  std::vector<Finding> Findings(const std::string& edited, bool with_plan = true) const {
-    VerifyOptions options = SampleOptions(plan);
-    options.interference = true;
-    return Verify(Read(edited), World(cell), with_plan ? &program : nullptr, options, {.threads = 2});
-  }
   /// What is wrong with an edited text; empty when it is confirmed.
   std::string Why(const std::string& edited) const {
     try {
@@ -55,13 +37,6 @@ struct Station {
       return error.what();
     }
   }
-
-  PlanResult plan;
-  StationPost post;
-  MotionProgram program;
-  ProgramFiles files;
-  std::string name, text;
-  Cell cell = SampleCell(plan);
 };
 
 std::string Replaced(const std::string& text, const std::string& from, const std::string& to,

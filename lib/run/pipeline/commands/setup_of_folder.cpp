@@ -53,7 +53,8 @@ SheetSection SummaryOf(const std::vector<OperationWithTree>& operations) {
       times.push_back(fmt::format("{} {}", ClockText(time.at("total_s").get<double>()),
                                   time.at("controller").get<std::string>()));
     const JsonTree& clearance = one.json.at("clearance_min_mm");
-    const double sum = one.json.at("budget").at("sum_um").get<double>();  // 0 where no face is cut
+    const JsonTree& budget = one.json.at("budget");  // null where no face is cut
+    const double sum = budget.is_object() ? budget.at("sum_um").get<double>() : 0;
     section.table.rows.push_back(
         {one.name, one.inputs.cell.tool.name,
          fmt::format("{} of {} points in {}", points.at("planned").get<size_t>(),

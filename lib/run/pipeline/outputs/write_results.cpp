@@ -222,9 +222,10 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
         "between the points of the path waves of the gears leave up to {:.3f} mm along the normal, "
         "more than program_options.path_tolerance_mm; a smaller toolpath.spacing_mm takes more out",
         *geometry->gears));
-  report.budget =
-      MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion,
-                 report.registration ? &*report.registration : nullptr, geometry ? &*geometry : nullptr);
+  if (report.deflection || std::ranges::count(report.lost_motion->course.face, true) > 0)
+    report.budget =
+        MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion,
+                   report.registration ? &*report.registration : nullptr, geometry ? &*geometry : nullptr);
   report.fixed = &results.fixed;
   report.faces = results.faces;
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {
@@ -271,7 +272,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
           ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
                       report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
                       report.times, report.fixed, &results.parts.map, &results.timeline, &*report.lost_motion,
-                      &*report.budget, report.face ? &*report.face : nullptr,
+                      report.budget ? &*report.budget : nullptr, report.face ? &*report.face : nullptr,
                       results.parts.removal ? &*results.parts.removal : nullptr, results.language,
                       report.stock ? &*report.stock : nullptr, results.inputs.job.operation}));
   for (const CheckedProgram& program : programs)
