@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "base/error.hpp"
+#include "base/free_memory.hpp"
 #include "clean_output.hpp"
 #include "commands.hpp"
 #include "help_format.hpp"
@@ -193,6 +194,7 @@ int Main(int argc, char** argv) {
   // A reader of stdout or stderr who goes away must not end a plan: writing then fails, and says so.
   std::signal(SIGPIPE, SIG_IGN);
   CleanOutput();
+  KeepFreeMemoryAtHand();
   CLI::App app{
       "millpose: robotic milling in the best poses, without a GUI\n"
       "`millpose help COMMAND` explains one command.\n"

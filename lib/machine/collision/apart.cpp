@@ -75,33 +75,54 @@ Eigen::Vector3d FarthestOfBody(const Envelope& body, const Eigen::Vector3d& n) {
   return body.radius * n + Eigen::Vector3d(0, 0, along_z(body.core));
 }
 
-/// Brackets the distance of one triangle (about the body's centre) from a body: nearest points are carried to
-/// and fro, and each pair of them says how far it is at most, and the planes square to it how far at least.
-DistanceBracket BracketTriangle(const Envelope& body, const TriangleTree::Corners& triangle) {
+/// A triangle, and a second body, about the centre of the first.
+struct TriangleBeside {
+  const TriangleTree::Corners& corners;
+  Eigen::Vector3d Nearest(const Eigen::Vector3d& p) const { return NearestOfTriangle(corners, p); }
+  Eigen::Vector3d Farthest(const Eigen::Vector3d& n) const {
+    const Eigen::Vector3d* farthest = &corners[0];
+    for (const Eigen::Vector3d& corner : corners) {
+      if (n.dot(corner) > n.dot(*farthest)) farthest = &corner;
+    }
+    return *farthest;
+  }
+};
+struct BodyBeside {
+  const Envelope& body;
+  const Pose& X_AB;  ///< of the centres
+  Eigen::Vector3d Nearest(const Eigen::Vector3d& p) const {
+    return X_AB * NearestOfBody(body, X_AB.inverse(Eigen::Isometry) * p);
+  }
+  Eigen::Vector3d Farthest(const Eigen::Vector3d& n) const {
+    return X_AB * FarthestOfBody(body, X_AB.linear().transpose() * n);
+  }
+};
+
+/// Brackets the distance of something convex (about the body's centre) from a body: nearest points are
+/// carried to and fro, and each pair of them says how far it is at most, and the planes square to it how far
+/// at least.
+template <class Other>
+DistanceBracket BracketBeside(const Envelope& body, const Other& other) {
   constexpr int kRounds = 8;
   constexpr double kTight = 1e-7;  // mm
   DistanceBracket found{0, std::numeric_limits<double>::infinity()};
-  Eigen::Vector3d p = NearestOfTriangle(triangle, Eigen::Vector3d::Zero()), q = NearestOfBody(body, p);
+  Eigen::Vector3d p = other.Nearest(Eigen::Vector3d::Zero()), q = NearestOfBody(body, p);
   for (int round = 0; round < kRounds; ++round) {
     const double apart = (p - q).norm();
     found.most = std::min(found.most, apart);
     if (apart < kTight) return found;
-    const Eigen::Vector3d n = (p - q) / apart, farthest = FarthestOfBody(body, n);
-    const Eigen::Vector3d* nearest = &triangle[0];
-    for (const Eigen::Vector3d& corner : triangle) {
-      if (n.dot(corner) < n.dot(*nearest)) nearest = &corner;
-    }
-    found.least = std::max(found.least, n.dot(*nearest) - n.dot(farthest));
+    const Eigen::Vector3d n = (p - q) / apart, farthest = FarthestOfBody(body, n),
+                          nearest = other.Farthest(-n);
+    found.least = std::max(found.least, n.dot(nearest) - n.dot(farthest));
     if (found.most - found.least < kTight) break;
     // From where the planes touch, or on from where the points are: whatever is nearer.
-    const Eigen::Vector3d on_body = NearestOfBody(body, *nearest),
-                          on_triangle = NearestOfTriangle(triangle, farthest);
-    const Eigen::Vector3d next = NearestOfTriangle(triangle, q);
-    const double by_corner = (*nearest - on_body).norm(), by_farthest = (on_triangle - farthest).norm();
+    const Eigen::Vector3d on_body = NearestOfBody(body, nearest), on_other = other.Nearest(farthest);
+    const Eigen::Vector3d next = other.Nearest(q);
+    const double by_nearest = (nearest - on_body).norm(), by_farthest = (on_other - farthest).norm();
     p = next, q = NearestOfBody(body, next);
     double least = (p - q).norm();
-    if (by_corner < least) p = *nearest, q = on_body, least = by_corner;
-    if (by_farthest < least) p = on_triangle, q = farthest;
+    if (by_nearest < least) p = nearest, q = on_body, least = by_nearest;
+    if (by_farthest < least) p = on_other, q = farthest;
   }
   return found;
 }
@@ -169,7 +190,7 @@ class Search {
         TriangleTree::Corners corners = mesh_.triangles()[i];
         if (TriangleBound(corners) >= best_) continue;
         for (Eigen::Vector3d& corner : corners) corner = R_GM_ * (corner - centre_);
-        const DistanceBracket found = BracketTriangle(body_, corners);
+        const DistanceBracket found = BracketBeside(body_, TriangleBeside{corners});
         least_ = std::min(least_, found.least);
         most_ = std::min(most_, found.most);
         best_ = std::min(best_, most_);
@@ -284,6 +305,14 @@ DistanceBracket BracketDistance(const Envelope& body, const Pose& X_MG, const Tr
                                 double bound, double near) {
   assert(body.kind != Envelope::Kind::kHull);
   return Search(body, X_MG, mesh, bound, near).RunBracket();
+}
+
+DistanceBracket BracketDistance(const Envelope& a, const Pose& X_AB, const Envelope& b) {
+  assert(a.kind != Envelope::Kind::kHull && b.kind != Envelope::Kind::kHull);
+  Pose centres = X_AB;  // of b's centre about a's
+  centres.translation() = X_AB * b.centre - a.centre;
+  const DistanceBracket found = BracketBeside(a, BodyBeside{b, centres});
+  return {std::max(0.0, found.least - kRounding), found.most + kRounding};
 }
 
 }  // namespace millpose

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far a convex body is from a mesh at least: proven by planes between them, far cheaper than the
-// distance.
+// How far a convex body is from a mesh or another at least, and at most: proven by planes between them and by
+// points of both, far cheaper than the distance.
 #pragma once
 
 #include "machine/collision/cell.hpp"
@@ -40,5 +40,9 @@ struct DistanceBracket {
 /// 0. Only surfaces count.
 DistanceBracket BracketDistance(const Envelope& body, const Pose& X_MG, const TriangleTree& mesh,
                                 double bound, double near);
+
+/// Likewise of two bodies (not kHull), by a few points and planes; `X_AB`: b's frame in a's. They may touch
+/// where `least` is 0.
+DistanceBracket BracketDistance(const Envelope& a, const Pose& X_AB, const Envelope& b);
 
 }  // namespace millpose

@@ -242,7 +242,9 @@ std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, doubl
     if (!pair.clearance[static_cast<int>(phase)]) continue;
     const Placed &a = impl_->placed[pair.first], &b = impl_->placed[pair.second];
     if (!impl_->world->measures_all && BoxesApart(a, b, most)) continue;
-    const DistanceBracket certain = impl_->Bracket(pair, most, 0);
+    // Two shapes bound nothing: how far a part is that a mesh swallows depends on the bound (DistanceUpTo).
+    DistanceBracket certain{0, std::numeric_limits<double>::infinity()};
+    if (a.part->mesh() || b.part->mesh()) certain = impl_->Bracket(pair, most, 0);
     most = std::min(most, certain.most + kSure);
     const double apart = impl_->world->measures_all ? 0 : BoxDistance(a, b);
     nearest.emplace_back(std::max(apart, certain.least), &pair);

@@ -289,8 +289,12 @@ double ProvenDistance(const Placed& a, const Placed& b, double bound, double eno
 
 DistanceBracket BracketOf(const Placed& a, const Placed& b, double bound, double near) {
   const Placed &mesh = a.part->mesh() ? a : b, &body = a.part->mesh() ? b : a;
-  if (!mesh.part->mesh() || body.part->mesh() || body.part->envelope.kind == Envelope::Kind::kHull)
-    return {0, std::numeric_limits<double>::infinity()};
+  const auto closed_form = [](const Placed& one) {
+    return !one.part->mesh() && one.part->envelope.kind != Envelope::Kind::kHull;
+  };
+  if (closed_form(a) && closed_form(b))
+    return BracketDistance(a.part->envelope, a.X_WG.inverse(Eigen::Isometry) * b.X_WG, b.part->envelope);
+  if (!mesh.part->mesh() || !closed_form(body)) return {0, std::numeric_limits<double>::infinity()};
   const Pose X_MG = mesh.X_WG.inverse(Eigen::Isometry) * body.X_WG;
   const DistanceBracket found =
       BracketDistance(body.part->envelope, X_MG, mesh.part->solid->tree(), bound, near);

@@ -63,9 +63,9 @@ bool ApartAlongAxes(const Placed& side, const Placed& other, double bound);
 /// the search stops there. 0 for a part wholly inside a closed mesh. Of two meshes one is taken as its box.
 double ProvenDistance(const Placed& a, const Placed& b, double bound, double enough);
 
-/// What is certain of the distance of two parts, as BracketDistance; {0, infinite} where they are not a mesh
-/// and a shape whose nearest points are known in closed form. A part wholly inside a closed mesh and farther
-/// than `bound` from its surface touches it.
+/// What is certain of the distance of two parts, as BracketDistance; {0, infinite} where not one is a shape
+/// whose nearest points are known in closed form and the other such a shape or a mesh. A part wholly inside a
+/// closed mesh and farther than `bound` from its surface touches it.
 DistanceBracket BracketOf(const Placed& a, const Placed& b, double bound, double near);
 
 /// The distance of two parts as far as it was asked for.

@@ -21,6 +21,9 @@ const ToGo& LeastToGo(const LadderProblem& problem, const NodeMask& counted, Bac
   std::vector<double> into_first(layers[problem.first_layer].size(), 0.0);
   std::vector<char> changed(into_first.size(), 0);
   bool some_less = false;  // what was left out came back
+  CostRow row;
+  std::vector<char> wanted;
+  std::vector<double> before;
   for (size_t k = count; k-- > 0;) {
     CheckStop(problem.stop);
     const size_t t = (problem.first_layer + k) % count, to = (t + 1) % count;
@@ -36,9 +39,9 @@ const ToGo& LeastToGo(const LadderProblem& problem, const NodeMask& counted, Bac
       changed.assign(layer.size(), 0);
       continue;
     }
-    const CostRow row(k + 1 == count ? into_first : rows.layers[to].beyond);
+    row.Set(k + 1 == count ? into_first : rows.layers[to].beyond);
     // Costs only rise: what was the cheapest step and still costs the same is so still.
-    std::vector<char> wanted(layer.size());
+    wanted.assign(layer.size(), 0);
     for (size_t node = 0; node < layer.size(); ++node) {
       const double objective = layer.objective[node];
       BestPredecessor& by = own.relaxed[node];
@@ -51,7 +54,7 @@ const ToGo& LeastToGo(const LadderProblem& problem, const NodeMask& counted, Bac
     }
     const StepRule rule = problem.RuleFrom(t);
     LayerSteps(next, layer, {rule, BandBetween(problem, rule, layer, next)}).Relax(row, wanted, own.relaxed);
-    const std::vector<double> before = std::move(own.beyond);
+    std::swap(before, own.beyond);
     own.beyond.assign(layer.size(), kInfinity);
     rows.to_go[t].assign(layer.size(), kInfinity);
     for (size_t node = 0; node < layer.size(); ++node) {

@@ -133,7 +133,7 @@ class BlockRelaxer {
   /// The angles of the targets: only where something is looked at, which beside an earlier part of a band is
   /// rare.
   void Load() {
-    for (int i = 0; i < 6; ++i) std::copy_n(&targets_.nodes->q[i][targets_.begin], kBlock, found_.t[i].v);
+    for (int i = 0; i < 6; ++i) block_pair::Load(targets_.nodes->q[i], targets_.begin, found_.t[i]);
     loaded_ = true;
   }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstring>
 
 #include "planning/ladder/edge_kernel.hpp"
 #include "planning/ladder/short_way.hpp"
@@ -13,6 +14,12 @@ namespace millpose::block_pair {
 inline InstructionSet Widest() {
   static const InstructionSet set = WidestInstructionSet();
   return set;
+}
+
+/// One joint of a block of nodes as lanes.
+inline void Load(const std::vector<double>& joint, size_t begin, Lanes& lanes) {
+  static_assert(sizeof lanes.v == kBlock * sizeof(double));
+  std::memcpy(lanes.v, &joint[begin], sizeof lanes.v);  // copied in place: std::copy_n calls memmove
 }
 
 /// Whether some pair may be within a step. `square`: then the least that the joints turn by, squared and

@@ -39,15 +39,17 @@ void JointRows::Finish() {
   groups = bound(kGroup);
 }
 
-CostRow::CostRow(std::vector<double> of_nodes) : count(of_nodes.size()), costs(std::move(of_nodes)) {
+void CostRow::Set(std::span<const double> of_nodes) {
+  count = of_nodes.size();
+  costs.assign(of_nodes.begin(), of_nodes.end());
   costs.resize(count + kBlock, kInfinity);
-  const auto least = [&](const std::vector<double>& values, size_t size, size_t width) {
-    std::vector<double> least_of((size + width - 1) / width, kInfinity);
-    for (size_t k = 0; k < size; ++k) least_of[k / width] = std::min(least_of[k / width], values[k]);
-    return least_of;
+  const auto take_least = [](const std::vector<double>& values, size_t size, size_t width,
+                             std::vector<double>& least) {
+    least.assign((size + width - 1) / width, kInfinity);
+    for (size_t k = 0; k < size; ++k) least[k / width] = std::min(least[k / width], values[k]);
   };
-  block_least = least(costs, count, kBlock);
-  group_least = least(block_least, block_least.size(), kGroup / kBlock);
+  take_least(costs, count, kBlock, block_least);
+  take_least(block_least, block_least.size(), kGroup / kBlock, group_least);
 }
 
 Joints JointRows::At(size_t node) const {

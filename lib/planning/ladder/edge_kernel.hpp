@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "base/lanes.hpp"
@@ -46,7 +47,8 @@ double StepCost(const StepRule& rule, const Joints& from, const Joints& to);
 /// Costs of the ways to the nodes of a layer, padded like JointRows, and the least of each block and group.
 struct CostRow {
   CostRow() = default;
-  explicit CostRow(std::vector<double> of_nodes);
+  explicit CostRow(std::span<const double> of_nodes) { Set(of_nodes); }
+  void Set(std::span<const double> of_nodes);
   size_t size() const { return count; }
 
   size_t count = 0;

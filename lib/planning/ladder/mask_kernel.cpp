@@ -2,6 +2,7 @@
 #include "planning/ladder/mask_kernel.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "planning/ladder/block_pair.hpp"
 
@@ -69,7 +70,7 @@ class BlockReacher {
 
   void Run() {
     if (first_ >= last_) return;
-    for (int i = 0; i < 6; ++i) std::copy_n(&targets_.nodes->q[i][targets_.begin], kBlock, reached_.t[i].v);
+    for (int i = 0; i < 6; ++i) block_pair::Load(targets_.nodes->q[i], targets_.begin, reached_.t[i]);
     Known();
     // From the middle outward: what lies nearest is most likely to be within a step, and often is from where
     // all are reached.
@@ -77,7 +78,7 @@ class BlockReacher {
     const size_t middle = (first_ + last_) / 2 / kBlock * kBlock;
     for (size_t block = middle; block < last_; block += kBlock) Try(block);
     for (size_t block = middle; block > first_ / kBlock * kBlock; block -= kBlock) Try(block - kBlock);
-    std::copy_n(reached_.masks.v, kBlock, targets_.reached.begin());
+    std::memcpy(targets_.reached.data(), reached_.masks.v, sizeof targets_.reached);
   }
 
  private:
@@ -116,7 +117,8 @@ class BlockReacher {
 
 }  // namespace
 
-MaskRow::MaskRow(std::vector<Mask> of_nodes) : masks(std::move(of_nodes)) {
+void MaskRow::Set(std::span<const Mask> of_nodes) {
+  masks.assign(of_nodes.begin(), of_nodes.end());
   of_blocks.assign((masks.size() + kBlock - 1) / kBlock, 0);
   for (size_t node = 0; node < masks.size(); ++node) of_blocks[node / kBlock] |= masks[node];
   masks.resize(masks.size() + kBlock, 0);

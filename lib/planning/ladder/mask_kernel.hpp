@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "planning/ladder/edge_kernel.hpp"
 
@@ -12,7 +13,8 @@ using Mask = uint64_t;
 
 /// From which sets the nodes of a layer are reached, padded like JointRows, and some node of each block.
 struct MaskRow {
-  explicit MaskRow(std::vector<Mask> of_nodes);
+  explicit MaskRow(std::span<const Mask> of_nodes) { Set(of_nodes); }
+  void Set(std::span<const Mask> of_nodes);
   /// Whether one of the nodes first..last−1 is reached from any.
   bool Any(size_t first, size_t last) const;
 

@@ -83,16 +83,17 @@ class MaskSweep {
       for (size_t node = ranges[i].first; node < ranges[i].second; ++node)
         if (Counts(problem_.first_layer, node)) start[node] |= Mask{1} << i;
     MaskRow row(start);
+    std::vector<Mask> reached;
     for (size_t t = 0; t < count; ++t) {
       CheckStop(problem_.stop);
       const size_t from = (problem_.first_layer + t) % count, to = (from + 1) % count;
       if (!row.Any(0, problem_.layers[from].size())) return 0;
       MaskSteps steps(problem_, from, to, row);
-      std::vector<Mask> reached(problem_.layers[to].size(), 0);
+      reached.assign(problem_.layers[to].size(), 0);
       for (size_t lane = 0; lane + 1 < problem_.layers[to].lane_begin.size(); ++lane)
         steps.Into(
             lane, [&](size_t node) { return Counts(to, node); }, reached);
-      row = MaskRow(std::move(reached));
+      row.Set(reached);
     }
     Mask returning = 0;
     for (size_t node = 0; node < start.size(); ++node) returning |= start[node] & row.masks[node];

@@ -62,12 +62,12 @@ bool Sweep::Forward(SweepRows& rows, size_t first, size_t last, bool breaks, std
 
 void Sweep::Start(size_t first, size_t last) {
   const Layer& layer = layers_[At(0)];
-  std::vector<double> row(layer.size(), kInfinity);
+  row_.assign(layer.size(), kInfinity);
   for (size_t node = first; node < last; ++node) {
-    row[node] = Value(layer.objective[node]);
-    if (IsAbove(row[node], 0, node)) row[node] = kInfinity;
+    row_[node] = Value(layer.objective[node]);
+    if (IsAbove(row_[node], 0, node)) row_[node] = kInfinity;
   }
-  Take(0, std::move(row));
+  Take(0);
 }
 
 void Sweep::Advance(size_t t, bool breaks, bool must_break) {
@@ -78,13 +78,13 @@ void Sweep::Advance(size_t t, bool breaks, bool must_break) {
   least_cost_before_[t] = least_;
   if (last_used_ == kNoNode) {
     known.relaxed.clear();
-    std::vector<double> row(layer.size());
-    std::ranges::transform(layer.objective, row.begin(), [&](double value) { return Value(value); });
-    return Take(t, std::move(row));
+    row_.resize(layer.size());
+    std::ranges::transform(layer.objective, row_.begin(), [&](double value) { return Value(value); });
+    return Take(t);
   }
   RelaxAll(t, must_break);
   const double enter = enter_.empty() || must_break ? kInfinity : enter_[t];
-  std::vector<double> row(layer.size(), kInfinity);
+  row_.assign(layer.size(), kInfinity);
   known.previous.assign(layer.size(), kBreak);
   for (size_t node = 0; node < layer.size(); ++node) {
     if (!std::isfinite(Value(layer.objective[node]))) continue;
@@ -96,10 +96,10 @@ void Sweep::Advance(size_t t, bool breaks, bool must_break) {
       known.previous[node] = static_cast<uint32_t>(by.node);
     }
     if (enter < cost) cost = enter, known.previous[node] = kEnter;
-    row[node] = Combined(cost, layer.objective[node]);
-    if (IsAbove(row[node], t, node)) row[node] = kInfinity;
+    row_[node] = Combined(cost, layer.objective[node]);
+    if (IsAbove(row_[node], t, node)) row_[node] = kInfinity;
   }
-  Take(t, std::move(row));
+  Take(t);
 }
 
 double Sweep::Value(double objective) const { return objective <= problem_.most ? objective : kInfinity; }
@@ -137,7 +137,7 @@ void Sweep::RelaxAll(size_t t, bool must_break) {
   if (all_hold) return;
   if (!holds) known.relaxed.assign(layer.size(), {});
   if (must_break) return;
-  std::vector<char> wanted(layer.size());
+  wanted_.assign(layer.size(), 0);
   const std::vector<double>& costs = rows_->layers[t - 1].row.costs;
   const std::vector<size_t>&lanes = layer.lane_begin, &lanes_before = layers_[At(t - 1)].lane_begin;
   for (size_t lane = 0; lane + 1 < lanes.size(); ++lane) {
@@ -152,32 +152,32 @@ void Sweep::RelaxAll(size_t t, bool must_break) {
         by = {};  // nobody asks for it under these bounds
         continue;
       }
-      wanted[node] = static_cast<char>(!holds || (std::isfinite(by.cost) && changes_.changed[by.node] != 0));
-      if (wanted[node] != 0) by.cost = MostBefore(t, node);
+      wanted_[node] = static_cast<char>(!holds || (std::isfinite(by.cost) && changes_.changed[by.node] != 0));
+      if (wanted_[node] != 0) by.cost = MostBefore(t, node);
     }
   }
-  StepsFrom(t - 1, t).Relax(rows_->layers[t - 1].row, wanted, known.relaxed);
+  StepsFrom(t - 1, t).Relax(rows_->layers[t - 1].row, wanted_, known.relaxed);
 }
 
 /// The costs of layer t's nodes are known: what of them has changed, and the least.
-void Sweep::Take(size_t t, std::vector<double> row) {
+void Sweep::Take(size_t t) {
   CostRow& kept = rows_->layers[t].row;
-  changes_ = {};
-  changes_.known = kept.size() == row.size();
+  changes_.some = changes_.some_less = false;
+  changes_.known = kept.size() == row_.size();
   if (changes_.known) {
-    changes_.changed.resize(row.size());
-    for (size_t node = 0; node < row.size(); ++node) {
-      changes_.changed[node] = row[node] != kept.costs[node];
+    changes_.changed.resize(row_.size());
+    for (size_t node = 0; node < row_.size(); ++node) {
+      changes_.changed[node] = row_[node] != kept.costs[node];
       changes_.some = changes_.some || changes_.changed[node];
-      changes_.some_less = changes_.some_less || row[node] < kept.costs[node];
+      changes_.some_less = changes_.some_less || row_[node] < kept.costs[node];
     }
   }
   last_used_ = t;
   least_ = kInfinity;
-  for (size_t node = 0; node < row.size(); ++node) {
-    if (row[node] < least_) least_ = row[node], least_node_ = node;
+  for (size_t node = 0; node < row_.size(); ++node) {
+    if (row_[node] < least_) least_ = row_[node], least_node_ = node;
   }
-  if (!changes_.known || changes_.some) kept = CostRow(std::move(row));
+  if (!changes_.known || changes_.some) kept.Set(row_);
 }
 
 Sweep::Closing Sweep::Close(size_t first, size_t last) const {

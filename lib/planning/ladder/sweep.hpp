@@ -83,7 +83,7 @@ class Sweep {
   double Combined(double cost, double objective) const;
   void Advance(size_t t, bool breaks, bool must_break);
   void RelaxAll(size_t t, bool must_break);
-  void Take(size_t t, std::vector<double> row);
+  void Take(size_t t);
   LayerSteps StepsFrom(size_t from, size_t to) const;
   size_t TraceBack(size_t t, size_t node, Sequence& sequence) const;
 
@@ -96,6 +96,8 @@ class Sweep {
   Changes changes_;
   std::vector<size_t> used_before_, least_before_;
   std::vector<double> least_cost_before_, enter_;
+  std::vector<double> row_;   ///< costs of the layer that is being looked at
+  std::vector<char> wanted_;  ///< of its nodes, those whose predecessor is looked for
   size_t last_used_ = kNoNode, least_node_ = 0;
   double least_ = std::numeric_limits<double>::infinity();
 };

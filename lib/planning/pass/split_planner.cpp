@@ -207,7 +207,8 @@ class SplitPlanner {
     const Layer from = layer(after), to = layer(next);
     const StepRule rule{StepBound(context.options.steps, context.problem.arm, point(after), point(next)), 0,
                         true};
-    const CostRow row(std::vector<double>(from.size(), 0.0));
+    const std::vector<double> none(from.size(), 0.0);
+    const CostRow row(none);
     for (size_t node = 0; node < to.size(); ++node) {
       const auto branch = static_cast<size_t>(to.LaneOf(node));
       BestPredecessor by;

@@ -107,6 +107,39 @@ TEST(Bracket, HoldsTheDistanceAndIsNarrow) {
   EXPECT_GT(near, trials / 10);
 }
 
+TEST(Bracket, OfTwoBodiesHoldsTheDistanceAndIsNarrow) {
+  RandomStream random(15, 0);
+  int narrow = 0, trials = 0, apart = 0;
+  const auto closed_form = [](const Sample& body) {
+    return MakePart(body.shape).envelope.kind != Envelope::Kind::kHull;
+  };
+  for (const Sample& first : Bodies()) {
+    for (const Sample& second : Bodies()) {
+      if (!closed_form(first) || !closed_form(second)) continue;
+      const FclPart a = MakePart(first.shape), b = MakePart(second.shape);
+      // Their meshes are inscribed.
+      const double farther = first.shape.index() + second.shape.index() == 0 ? 1e-7 : 3;
+      for (int trial = 0; trial < 25; ++trial) {
+        const Pose X_AB = RandomPose(random, 180);
+        const DistanceBracket found = BracketDistance(a.envelope, X_AB, b.envelope);
+        const double truth = BruteDistance(first.mesh, Moved(second.mesh, X_AB));
+        EXPECT_LE(found.least, truth + 1e-7);
+        EXPECT_GE(found.most, truth - farther);
+        EXPECT_LE(found.least, found.most);
+        // No less than what FCL's plane between them proves.
+        const BoundedDistance measured =
+            DistanceUpTo(PlacePart(a, Pose::Identity()), PlacePart(b, X_AB), kFarthest);
+        EXPECT_GE(found.most, measured.distance - 1e-6);
+        narrow += found.most - found.least < 1e-3;
+        apart += truth > 1;
+        ++trials;
+      }
+    }
+  }
+  EXPECT_GT(narrow, 0.75 * apart) << trials;
+  EXPECT_GT(apart, trials / 2);
+}
+
 TEST(Apart, WhatAClosedMeshSwallowsIsNotFree) {
   Triangles skin = BoxMesh({400, 400, 400});
   const FclPart block = MakePart(skin);
